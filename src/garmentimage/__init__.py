@@ -1,0 +1,78 @@
+"""garmentimage: sewing patterns as rasters that neural networks understand, and back.
+
+    import garmentimage as gi
+
+    pattern = gi.load_pattern("dress.json")
+    image = gi.encode(pattern, grid=16)
+    channels = image.to_channels()  # float32 [34, 16, 16]
+    again = gi.decode(image)
+    gi.save_pattern(again, "dress-again.json")
+
+Names are loaded on first use, so importing the package is quick.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from garmentimage.errors import (
+    DecodeError,
+    EncodeError,
+    GarmentImageError,
+    ImageError,
+    OutputError,
+    PatternError,
+    PatternFileError,
+    StitchError,
+)
+
+if TYPE_CHECKING:
+    from garmentimage.pattern.model import Pattern
+    from garmentimage.pattern.spec import load_pattern, save_pattern
+    from garmentimage.raster.decode import decode
+    from garmentimage.raster.encode import encode
+    from garmentimage.raster.files import load_image, save_image
+    from garmentimage.raster.image import EdgeType, GarmentImage
+
+__version__ = "0.1.0"
+
+_WHERE = {
+    "Pattern": "garmentimage.pattern.model",
+    "load_pattern": "garmentimage.pattern.spec",
+    "save_pattern": "garmentimage.pattern.spec",
+    "GarmentImage": "garmentimage.raster.image",
+    "EdgeType": "garmentimage.raster.image",
+    "load_image": "garmentimage.raster.files",
+    "save_image": "garmentimage.raster.files",
+    "encode": "garmentimage.raster.encode",
+    "decode": "garmentimage.raster.decode",
+}
+
+__all__ = [
+    "DecodeError",
+    "EdgeType",
+    "EncodeError",
+    "GarmentImage",
+    "GarmentImageError",
+    "ImageError",
+    "OutputError",
+    "Pattern",
+    "PatternError",
+    "PatternFileError",
+    "StitchError",
+    "decode",
+    "encode",
+    "load_image",
+    "load_pattern",
+    "save_image",
+    "save_pattern",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _WHERE:
+        return getattr(import_module(_WHERE[name]), name)
+    raise AttributeError(f"module 'garmentimage' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

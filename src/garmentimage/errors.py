@@ -1,0 +1,52 @@
+"""Every error that a user can cause, as one tree.
+
+    GarmentImageError
+    ├── PatternError            a sewing pattern that cannot be what it says (ValueError)
+    │   ├── PatternFileError    a file that is not a readable sewing pattern
+    │   └── StitchError         a stitch that names nothing, or the wrong thing
+    ├── ImageError              a raster that is not a GarmentImage (ValueError)
+    ├── EncodeError             a pattern that does not fit the raster (ValueError)
+    ├── DecodeError             a raster that no garment can be read from (ValueError)
+    └── OutputError             a result that cannot be written where it should go (OSError)
+
+Each message is one sentence or two: what is wrong, where (file, panel, edge), and a way out.
+"""
+
+
+class GarmentImageError(Exception):
+    """Root of everything that garmentimage raises on purpose."""
+
+
+class PatternError(GarmentImageError, ValueError):
+    """A sewing pattern that cannot be sewn as it stands."""
+
+
+class PatternFileError(PatternError):
+    """A file that is not a sewing pattern we can read."""
+
+
+class StitchError(PatternError):
+    """A stitch that does not join two edges of the pattern."""
+
+
+class ImageError(GarmentImageError, ValueError):
+    """An array or a file that is not a GarmentImage."""
+
+
+class EncodeError(GarmentImageError, ValueError):
+    """A pattern that cannot be drawn on the grid.
+
+    `grid` is the smallest grid size that was found to work, or None if none was.
+    """
+
+    def __init__(self, message: str, *, grid: int | None = None) -> None:
+        super().__init__(message)
+        self.grid = grid
+
+
+class DecodeError(GarmentImageError, ValueError):
+    """An image from which no garment can be read."""
+
+
+class OutputError(GarmentImageError, OSError):
+    """A result that cannot be written where it was asked for."""

@@ -1,0 +1,1 @@
+"""Curves, polygons and quad meshes. No garment words in here."""

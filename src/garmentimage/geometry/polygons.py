@@ -1,0 +1,36 @@
+"""Polygons as arrays of points, not closed."""
+
+import numpy as np
+from jaxtyping import Float
+
+
+def signed_area(polygon: Float[np.ndarray, "n 2"]) -> float:
+    """Area of the polygon; positive when it runs counter-clockwise."""
+    x, y = polygon[:, 0], polygon[:, 1]
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def centroid(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
+    """Centre of area; the mean of the points where the area vanishes."""
+    x, y = polygon[:, 0], polygon[:, 1]
+    cross = x * np.roll(y, -1) - y * np.roll(x, -1)
+    area = cross.sum() / 2
+    if abs(area) < 1e-9:
+        return polygon.mean(axis=0)
+    total = np.array([((x + np.roll(x, -1)) * cross).sum(), ((y + np.roll(y, -1)) * cross).sum()])
+    return total / (6 * area)
+
+
+def polyline_length(points: Float[np.ndarray, "n 2"]) -> float:
+    """Length of an open polyline."""
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+
+def resample(points: Float[np.ndarray, "n 2"], shares: Float[np.ndarray, " m"]) -> np.ndarray:
+    """Points of an open polyline at the given shares (0..1) of its length; shape (m, 2)."""
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    lengths = np.concatenate([[0.0], np.cumsum(steps)])
+    s = np.asarray(shares) * lengths[-1]
+    return np.stack(
+        [np.interp(s, lengths, points[:, 0]), np.interp(s, lengths, points[:, 1])], axis=1
+    )

@@ -1,0 +1,289 @@
+"""The sewing pattern: small frozen values in cm.
+
+Words of this file:
+
+- An **edge** is one directed curve of a panel's boundary, from vertex `start` to vertex `end`.
+  Its curvature is kept as pattern files give it, relative to the straight line between them.
+- A **loop** is a closed chain of edges. A panel has one outer loop and any number of holes.
+- Edges of a panel are numbered through: outer loop first, then the holes in order.
+- Seen from outside the body a panel's outer loop runs counter-clockwise.
+- A **side** is one edge of one panel; a **stitch** sews two sides together.
+- Placement takes a panel point (x, y) to the world point R (x, y, 0) + T, with
+  R = Rz Ry Rx from Euler angles in degrees about fixed axes; the world's y is up, +z is the
+  front of the body.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.geometry.curves import Arc, Bezier, Curve, Line, Point
+from garmentimage.geometry.polygons import signed_area
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Quadratic:
+    """One control point, in edge coordinates: along the edge, and to its left, per edge length."""
+
+    control: Point
+
+
+@dataclass(frozen=True)
+class Cubic:
+    """Two control points, in edge coordinates."""
+
+    control: Point
+    control2: Point
+
+
+@dataclass(frozen=True)
+class Circle:
+    """Circular arc: radius [cm], the long way round or not, bulging right of the edge or not."""
+
+    radius: float
+    large: bool
+    right: bool
+
+
+Curvature = Quadratic | Cubic | Circle | None
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One directed curve of a loop, between two vertices of that loop."""
+
+    start: int
+    end: int
+    curvature: Curvature = None
+    label: str | None = None
+    extra: Mapping[str, Any] = field(default_factory=dict)
+    """Fields of the file that we do not know; written back as they were."""
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A closed chain of edges: edge k ends where edge k + 1 starts."""
+
+    vertices: tuple[Point, ...]
+    edges: tuple[Edge, ...]
+
+    def curve(self, k: int) -> Curve:
+        """Geometry of edge `k`, in panel coordinates [cm]."""
+        return self.curves[k]
+
+    @cached_property
+    def curves(self) -> tuple[Curve, ...]:
+        """Geometry of every edge, in loop order [cm]."""
+        return tuple(
+            edge_curve(self.vertices[e.start], self.vertices[e.end], e.curvature)
+            for e in self.edges
+        )
+
+    @cached_property
+    def polygon(self) -> Float[np.ndarray, "n 2"]:
+        """The loop as a polygon, not closed: straight edges as they are, curves in 16 chords."""
+        return np.concatenate([c.sample(1 if c.is_straight else 16)[:-1] for c in self.curves])
+
+    @property
+    def area(self) -> float:
+        """Signed area [cm²]; positive when the loop runs counter-clockwise."""
+        return signed_area(self.polygon)
+
+
+@dataclass(frozen=True)
+class Notch:
+    """A matching mark on edge `edge`, at the share `at` (0..1) of its length."""
+
+    edge: int
+    at: float
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One flat piece of cloth and its place round the body."""
+
+    name: str
+    outline: Loop
+    holes: tuple[Loop, ...] = ()
+    translation: Vector = (0.0, 0.0, 0.0)
+    """World position of the panel's origin [cm]."""
+    rotation: Vector = (0.0, 0.0, 0.0)
+    """Euler angles about the fixed axes x, y, z [degrees], applied in that order."""
+    label: str | None = None
+    grain: Point | None = None
+    """Unit direction of the warp, in panel coordinates."""
+    notches: tuple[Notch, ...] = ()
+    cloth_layer: int = 0
+    """0 next to the body; collars, lapels and pockets lie on 1 and up."""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        """Outer loop, then holes."""
+        return (self.outline, *self.holes)
+
+    @cached_property
+    def edges(self) -> tuple[Edge, ...]:
+        """All edges, numbered through: outer loop, then holes."""
+        return tuple(e for loop in self.loops for e in loop.edges)
+
+    @cached_property
+    def curves(self) -> tuple[Curve, ...]:
+        """Geometry of all edges, numbered as `edges` [cm]."""
+        return tuple(c for loop in self.loops for c in loop.curves)
+
+    @property
+    def matrix(self) -> Float[np.ndarray, "3 3"]:
+        """Rotation R = Rz Ry Rx."""
+        return rotation_matrix(self.rotation)
+
+    def to_world(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
+        """Panel points placed round the body [cm]."""
+        return np.asarray(points, float) @ self.matrix[:, :2].T + np.array(self.translation)
+
+
+@dataclass(frozen=True)
+class Side:
+    """One edge of one panel, as a stitch names it."""
+
+    panel: str
+    edge: int
+
+
+@dataclass(frozen=True)
+class Stitch:
+    """Two sides sewn together; start meets end, or start meets start where `same_direction`."""
+
+    a: Side
+    b: Side
+    same_direction: bool = False
+    flag: str | None = None
+    """A third entry of the file that we do not know; written back as it was."""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def sides(self) -> tuple[Side, Side]:
+        """Both sides."""
+        return self.a, self.b
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A garment: panels and the stitches between them."""
+
+    panels: tuple[Panel, ...]
+    stitches: tuple[Stitch, ...] = ()
+    name: str = ""
+    """What to call the garment in messages and pictures: the file's stem. Not part of equality."""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+    """What else the file held, by place: "top" (beside "pattern"), "pattern", "properties", "ours"."""
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Pattern):
+            return NotImplemented
+        return (self.panels, self.stitches, self.extra) == (
+            other.panels,
+            other.stitches,
+            other.extra,
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @cached_property
+    def by_name(self) -> Mapping[str, Panel]:
+        """Panels by name."""
+        return {p.name: p for p in self.panels}
+
+    def curve(self, side: Side) -> Curve:
+        """Geometry of one side, in panel coordinates [cm]."""
+        return self.by_name[side.panel].curves[side.edge]
+
+    @cached_property
+    def partners(self) -> Mapping[Side, Side]:
+        """For each sewn side, the side it is sewn to."""
+        return {x: y for s in self.stitches for x, y in ((s.a, s.b), (s.b, s.a))}
+
+    def sides(self) -> Iterator[Side]:
+        """Every side of every panel."""
+        for panel in self.panels:
+            for k in range(len(panel.edges)):
+                yield Side(panel.name, k)
+
+    def renamed(self, name: str) -> "Pattern":
+        """The same pattern under another name."""
+        return replace(self, name=name)
+
+
+def edge_curve(start: Point, end: Point, curvature: Curvature) -> Curve:
+    """The curve from `start` to `end`: p = start + c_x e + c_y perp(e), perp(e) = (-e_y, e_x)."""
+    match curvature:
+        case None:
+            return Line(start, end)
+        case Circle(radius, large, right):
+            return Arc(start, end, radius, large, right)
+        case Quadratic(control):
+            return Bezier(start, (_absolute(start, end, control),), end)
+        case Cubic(control, control2):
+            return Bezier(
+                start, (_absolute(start, end, control), _absolute(start, end, control2)), end
+            )
+
+
+def curvature_of(curve: Curve) -> Curvature:
+    """The relative curvature that gives back `curve`; the inverse of `edge_curve`."""
+    if isinstance(curve, Line):
+        return None
+    if isinstance(curve, Arc):
+        return Circle(curve.radius, curve.large, curve.right)
+    assert isinstance(curve, Bezier)
+    relative = [relative_control(curve.start, curve.end, c) for c in curve.controls]
+    return Quadratic(relative[0]) if len(relative) == 1 else Cubic(relative[0], relative[1])
+
+
+def relative_control(start: Point, end: Point, control: Point) -> Point:
+    """A control point in the coordinates of the edge from `start` to `end`."""
+    ex, ey = end[0] - start[0], end[1] - start[1]
+    dx, dy = control[0] - start[0], control[1] - start[1]
+    size = ex * ex + ey * ey
+    return (dx * ex + dy * ey) / size, (dy * ex - dx * ey) / size
+
+
+def _absolute(start: Point, end: Point, control: Point) -> Point:
+    ex, ey = end[0] - start[0], end[1] - start[1]
+    cx, cy = control
+    return start[0] + cx * ex - cy * ey, start[1] + cx * ey + cy * ex
+
+
+def loop_from_curves(curves: tuple[Curve, ...] | list[Curve]) -> Loop:
+    """A loop whose edge k is `curves[k]`; each curve starts where the one before it ends."""
+    count = len(curves)
+    edges = tuple(Edge(k, (k + 1) % count, curvature_of(c)) for k, c in enumerate(curves))
+    return Loop(tuple(c.start for c in curves), edges)
+
+
+def rotation_matrix(degrees: Vector) -> Float[np.ndarray, "3 3"]:
+    """R = Rz Ry Rx for Euler angles about the fixed axes x, y, z [degrees]."""
+    (ca, cb, cc), (sa, sb, sc) = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    rx = np.array([[1, 0, 0], [0, ca, -sa], [0, sa, ca]])
+    ry = np.array([[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]])
+    rz = np.array([[cc, -sc, 0], [sc, cc, 0], [0, 0, 1]])
+    return rz @ ry @ rx
+
+
+def euler_angles(matrix: Float[np.ndarray, "3 3"]) -> Vector:
+    """Euler angles [degrees] with `rotation_matrix(euler_angles(R))` = R."""
+    cb = float(np.hypot(matrix[0, 0], matrix[1, 0]))
+    b = np.arctan2(-matrix[2, 0], cb)
+    if cb > 1e-9:
+        a = np.arctan2(matrix[2, 1], matrix[2, 2])
+        c = np.arctan2(matrix[1, 0], matrix[0, 0])
+    else:
+        a, c = np.arctan2(-matrix[1, 2], matrix[1, 1]), 0.0
+    x, y, z = (float(np.rad2deg(v)) for v in (a, b, c))
+    return x, y, z

@@ -1,0 +1,200 @@
+"""GarmentImage: a garment as layers of cells on a grid (paper, Section 3.1).
+
+Row 0 is at the bottom, column 0 at the left of a picture of the front. The back layer is seen
+through the body: the same column is the same place. Cell (row, col) has the lattice corners
+(col, row) .. (col + 1, row + 1).
+"""
+
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+
+import numpy as np
+from jaxtyping import Bool, Float32, Int8
+
+from garmentimage.errors import ImageError
+from garmentimage.pattern.model import Point, Vector
+from garmentimage.raster.frame import BodyFrame
+
+
+class EdgeType(IntEnum):
+    """Type of a grid edge (paper, Section 3.1.3)."""
+
+    NON_BOUNDARY = 0
+    """Wholly inside a panel, or wholly outside."""
+    NON_STITCH = 1
+    """On the boundary of a panel, not sewn."""
+    FRONT_TO_BACK = 2
+    """Sewn to the grid edge at the same place of the opposite layer."""
+    SIDE_BY_SIDE = 3
+    """Sewn to the neighbouring cell of the same layer."""
+
+
+BOTTOM, LEFT = 0, 1
+"""Second index of `edge_type`: a cell stores its bottom and its left grid edge."""
+
+VECTORS = ("bottom", "right", "top", "left")
+"""Order of the four edge vectors; bottom and top point right, left and right point up."""
+
+GRID_LIMITS = (4, 256)
+"""Smallest and largest grid that files may have."""
+LAYER_LIMIT = 16
+EDGE_TYPE_COUNT = len(EdgeType)
+CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 8
+
+
+@dataclass(frozen=True)
+class PanelMark:
+    """What the channels cannot say of a panel: its name and its own frame. Labels and places only."""
+
+    name: str
+    layer: int
+    cell: tuple[int, int]
+    """(row, column) of one cell of the panel."""
+    matrix: tuple[Point, Point] = ((1.0, 0.0), (0.0, 1.0))
+    """2 x 2 orthogonal, rows: raster frame = matrix @ panel frame."""
+    anchor: Point = (0.0, 0.0)
+    """The panel's centroid in the panel's own frame [cm]."""
+    rotation: Vector | None = None
+    """The panel's own placement, degrees; None where unknown."""
+    translation: Vector | None = None
+    """The panel's own placement [cm]; None where unknown."""
+    split_of: str | None = None
+    """Name of the panel that this one is a part of: decoding sews and joins the parts again."""
+    label: str | None = None
+    grain: Point | None = None
+    """Unit direction of the warp in the panel's own frame."""
+
+
+@dataclass(frozen=True)
+class GarmentImage:
+    """A garment on a grid: flags, edge types, deformation."""
+
+    inside: Bool[np.ndarray, "layer row col"]
+    edge_type: Int8[np.ndarray, "layer 2 row col"]
+    """`EdgeType` of the bottom and left grid edge of each cell."""
+    deformation: Float32[np.ndarray, "layer 4 2 row col"]
+    """(dx, dy) of the bottom, right, top and left edge vectors of each cell [cm], 0 outside."""
+    frame: BodyFrame
+    layer_names: tuple[str, ...] = ("front", "back")
+    marks: tuple[PanelMark, ...] = ()
+    name: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        layers, rows, cols = self.inside.shape
+        grid = self.frame.grid
+        shapes = (self.inside.shape, self.edge_type.shape, self.deformation.shape)
+        wanted = ((layers, grid, grid), (layers, 2, grid, grid), (layers, 4, 2, grid, grid))
+        if shapes != wanted:
+            raise ImageError(f"arrays have shapes {shapes}; a {grid} x {grid} image needs {wanted}")
+        if len(self.layer_names) != layers:
+            raise ImageError(f"{layers} layers but {len(self.layer_names)} layer names")
+
+    @property
+    def grid(self) -> int:
+        """Cells along each side, N."""
+        return self.frame.grid
+
+    @property
+    def layers(self) -> int:
+        """Number of layers."""
+        return self.inside.shape[0]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GarmentImage):
+            return NotImplemented
+        return (
+            self.same_channels(other)
+            and self.frame == other.frame
+            and self.layer_names == other.layer_names
+            and self.marks == other.marks
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def same_channels(self, other: "GarmentImage") -> bool:
+        """Equal in flags, edge types and deformation, whatever the metadata."""
+        return (
+            np.array_equal(self.inside, other.inside)
+            and np.array_equal(self.edge_type, other.edge_type)
+            and np.array_equal(self.deformation, other.deformation)
+        )
+
+    def without_marks(self) -> "GarmentImage":
+        """The same image with all that is not in the channels forgotten."""
+        return replace(self, marks=(), name="", frame=BodyFrame.standard(self.grid))
+
+    def to_channels(self) -> Float32[np.ndarray, "channel row col"]:
+        """The network's view: 17 channels a layer, front first.
+
+        Inside flag; bottom edge one-hot (NON_BOUNDARY, NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE);
+        left edge one-hot, same order; (dx, dy) of bottom, right, top, left edge vectors [cm].
+        """
+        types = np.arange(EDGE_TYPE_COUNT)[:, None, None]
+        blocks = []
+        for layer in range(self.layers):
+            blocks.append(self.inside[layer][None].astype(np.float32))
+            blocks.extend((self.edge_type[layer, h] == types).astype(np.float32) for h in (0, 1))
+            blocks.append(self.deformation[layer].reshape(8, self.grid, self.grid))
+        return np.concatenate(blocks).astype(np.float32)
+
+    @classmethod
+    def from_channels(
+        cls, array: np.ndarray, like: "GarmentImage | None" = None
+    ) -> "GarmentImage":
+        """The image that `to_channels` would give `array` for; hard decisions, no repair.
+
+        Flags are taken at > 0.5 and types at the largest of the four values, so probabilities
+        and logits of types work too; deformation outside is cleared.
+
+        Args:
+            array: [17 L, N, N], any real type.
+            like: where frame, layer names and marks come from; default: the standard frame.
+
+        Raises:
+            ImageError: a wrong shape, or values that are not finite.
+        """
+        array = check_channels(array)
+        layers, grid = len(array) // CHANNELS_PER_LAYER, array.shape[-1]
+        block = array.reshape(layers, CHANNELS_PER_LAYER, grid, grid)
+        inside = block[:, 0] > 0.5
+        one_hot = block[:, 1:9].reshape(layers, 2, EDGE_TYPE_COUNT, grid, grid)
+        deformation = block[:, 9:].reshape(layers, 4, 2, grid, grid).astype(np.float32)
+        deformation = np.where(inside[:, None, None], deformation, np.float32(0))
+        if like is not None and (like.grid, like.layers) != (grid, layers):
+            raise ImageError(
+                f"`like` has {like.layers} layers of {like.grid} cells, the array {layers} of {grid}"
+            )
+        return cls(
+            inside=inside,
+            edge_type=one_hot.argmax(axis=2).astype(np.int8),
+            deformation=deformation,
+            frame=like.frame if like is not None else BodyFrame.standard(grid),
+            layer_names=like.layer_names if like is not None else default_layer_names(layers),
+            marks=like.marks if like is not None else (),
+            name=like.name if like is not None else "",
+        )
+
+
+def default_layer_names(layers: int) -> tuple[str, ...]:
+    """front, back, then numbered pairs for further cloth layers."""
+    return tuple(
+        ("front", "back")[k % 2] + ("" if k < 2 else f"-{k // 2 + 1}") for k in range(layers)
+    )
+
+
+def check_channels(array: np.ndarray) -> np.ndarray:
+    """`array` as float64 [17 L, N, N], or an ImageError that says what is wrong with it."""
+    try:
+        array = np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ImageError(f"channels are not an array of numbers: {error}") from None
+    if array.ndim != 3 or array.shape[1] != array.shape[2]:
+        raise ImageError(f"channels have shape {array.shape}; wanted [17 x layers, N, N]")
+    count, grid = array.shape[0], array.shape[1]
+    if count == 0 or count % CHANNELS_PER_LAYER or count > LAYER_LIMIT * CHANNELS_PER_LAYER:
+        raise ImageError(f"{count} channels; each layer has {CHANNELS_PER_LAYER} (34 for two)")
+    if not GRID_LIMITS[0] <= grid <= GRID_LIMITS[1]:
+        raise ImageError(f"a grid of {grid} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")
+    if not np.isfinite(array).all():
+        raise ImageError("channels hold values that are not finite (NaN or infinity)")
+    return array
