@@ -50,3 +50,18 @@ class DecodeError(GarmentImageError, ValueError):
 
 class OutputError(GarmentImageError, OSError):
     """A result that cannot be written where it was asked for."""
+
+
+class PatternWarning(UserWarning):
+    """Something in a pattern that was mended, or that its maker should look at."""
+
+
+SHOWN_NAME_LENGTH = 40
+"""Characters of a name that a message shows."""
+
+
+def quoted(name: str) -> str:
+    """A name from a file, fit for one line of a message: in quotes, escaped, shortened."""
+    if len(name) > SHOWN_NAME_LENGTH:
+        name = name[: SHOWN_NAME_LENGTH - 1] + "…"
+    return repr(name)

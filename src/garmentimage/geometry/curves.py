@@ -6,6 +6,7 @@ length, also 0..1. Lengths come from a fixed chord table, so they are the same o
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import hypot
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +16,8 @@ Point = tuple[float, float]
 
 CHORDS = 64
 """Chords that stand for a curved curve when it is measured."""
+_TABLE_PARAMETERS = np.linspace(0.0, 1.0, CHORDS + 1)
+_ENDS = np.array([0.0, 1.0])
 
 
 class Curve(Protocol):
@@ -42,7 +45,7 @@ class _Measured:
 
     @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
-        t = np.linspace(0.0, 1.0, 2 if self.is_straight else CHORDS + 1)
+        t = _ENDS if self.is_straight else _TABLE_PARAMETERS
         points = self.at(t)  # type: ignore[attr-defined]
         steps = np.hypot(*np.diff(points, axis=0).T)
         return t, np.concatenate([[0.0], np.cumsum(steps)])
@@ -77,6 +80,15 @@ class Line(_Measured):
         """Points at the parameters `t`."""
         t = np.asarray(t, float)[:, None]
         return (1 - t) * np.array(self.start) + t * np.array(self.end)
+
+    @cached_property
+    def length(self) -> float:  # type: ignore[override]
+        """Length along the curve."""
+        return hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
+
+    def sample(self, count: int) -> Float[np.ndarray, "n 2"]:
+        """`count` + 1 points from start to end, evenly spaced by length; the ends are exact."""
+        return np.array([self.start, self.end]) if count == 1 else super().sample(count)
 
     def split(self, t: float) -> tuple["Line", "Line"]:
         """The two parts before and after `t`."""

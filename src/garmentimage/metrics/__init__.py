@@ -1,0 +1,65 @@
+"""How alike two patterns are, whether one can be sewn, and how well round trips go. No torch."""
+
+from garmentimage.metrics.matching import (
+    Matching,
+    PanelPair,
+    boundary_distance,
+    iou_matrix,
+    match_panels,
+    matching_from,
+    panel_iou,
+)
+from garmentimage.metrics.report import report_to_json
+from garmentimage.metrics.roundtrip import (
+    FileReport,
+    KindSummary,
+    RoundtripResult,
+    Trip,
+    judge,
+    kind_of,
+    roundtrip_file,
+    roundtrip_many,
+    summarise,
+    summary_table,
+)
+from garmentimage.metrics.stitch_graph import (
+    GraphMatch,
+    SeamSide,
+    StitchGraph,
+    lengths_agree,
+    match_graphs,
+    same_stitch_graph,
+    seam_agreement,
+    stitch_graph,
+)
+from garmentimage.metrics.validity import validity
+
+__all__ = [
+    "FileReport",
+    "GraphMatch",
+    "KindSummary",
+    "Matching",
+    "PanelPair",
+    "RoundtripResult",
+    "SeamSide",
+    "StitchGraph",
+    "Trip",
+    "boundary_distance",
+    "iou_matrix",
+    "judge",
+    "kind_of",
+    "lengths_agree",
+    "match_graphs",
+    "match_panels",
+    "matching_from",
+    "panel_iou",
+    "report_to_json",
+    "roundtrip_file",
+    "roundtrip_many",
+    "same_stitch_graph",
+    "seam_agreement",
+    "stitch_graph",
+    "summarise",
+    "summary_table",
+    "validity",
+]

@@ -90,7 +90,7 @@ class Loop:
         """The loop as a polygon, not closed: straight edges as they are, curves in 16 chords."""
         return np.concatenate([c.sample(1 if c.is_straight else 16)[:-1] for c in self.curves])
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Signed area [cm²]; positive when the loop runs counter-clockwise."""
         return signed_area(self.polygon)

@@ -1,0 +1,234 @@
+"""Which panel of one pattern is which panel of another, and how alike the two are.
+
+Panels are compared with their centres of area on each other ("centroid-aligned", paper, Table 1),
+as they lie in their own panel coordinates. Where the frame of a panel is not known, `any_pose`
+compares them in the eight poses that mirroring and quarter turns give.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.geometry.polygons import resample
+from garmentimage.pattern.model import Loop, Panel, Pattern
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+CURVE_CHORDS = 32
+"""Chords that stand for a curved edge; a half circle then loses 0.2 % of its area."""
+
+BOUNDARY_POINTS = 128
+"""Points on each boundary when boundaries are compared."""
+
+IOU_FLOOR = 0.3
+"""While matching, pairs whose areas alone forbid this much IoU count as 0 (saves the work)."""
+
+PLACEMENT_WEIGHT = 0.05
+"""What equal placement is worth beside IoU: enough to tell left from right, not more."""
+
+PLACEMENT_RANGE_CM = 30.0
+"""Distance on the body over which the worth of placement falls to 1/e [cm]."""
+
+POSES = tuple(
+    np.array([[c, -s], [s, c]]) @ np.diag([flip, 1.0])
+    for flip, (c, s) in product((1.0, -1.0), ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)))
+)
+"""Quarter turns of the panel as it is, then of its mirror image; the first is the identity."""
+
+
+@dataclass(frozen=True)
+class PanelPair:
+    """Two panels that stand for each other, and how alike they are."""
+
+    a: str
+    b: str
+    iou: float
+    """Centroid-aligned intersection over union, holes counted."""
+    boundary_distance: float
+    """Mean distance of boundary points at equal arc length, best start and direction [cm]."""
+
+
+@dataclass(frozen=True)
+class Matching:
+    """The panels of two patterns, paired as well as can be."""
+
+    pairs: tuple[PanelPair, ...]
+    """In the order of the first pattern's panels."""
+    missing: tuple[str, ...]
+    """Panels of the first pattern without a counterpart."""
+    extra: tuple[str, ...]
+    """Panels of the second pattern without a counterpart."""
+
+    @property
+    def panel_map(self) -> Mapping[str, str]:
+        """Names of the first pattern's panels -> names of the second's."""
+        return {p.a: p.b for p in self.pairs}
+
+    @property
+    def ious(self) -> tuple[float, ...]:
+        """IoU of every pair; missing and extra panels count as 0."""
+        return tuple(p.iou for p in self.pairs) + (0.0,) * (len(self.missing) + len(self.extra))
+
+    @property
+    def mean_iou(self) -> float:
+        """Mean of `ious`."""
+        return float(np.mean(self.ious)) if self.ious else 0.0
+
+
+def match_panels(
+    a: Pattern, b: Pattern, *, by_name: bool = False, any_pose: bool = False
+) -> Matching:
+    """Pair the panels of two patterns by shape and placement (Hungarian method).
+
+    Args:
+        a: the pattern that is looked for.
+        b: the pattern that was found.
+        by_name: panels of equal names are paired first, whatever their shape.
+        any_pose: allow each panel to be mirrored and turned by quarters.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    score = iou_matrix(a.panels, b.panels, any_pose=any_pose)
+    score = score + PLACEMENT_WEIGHT * _nearness(a.panels, b.panels)
+    if by_name:
+        names = np.array([[p.name == q.name for q in b.panels] for p in a.panels], float)
+        # One shared name outweighs all that shape and placement can say together.
+        score = score + names.reshape(score.shape) * 2 * max(score.shape, default=1)
+    rows, columns = linear_sum_assignment(score, maximize=True)
+    paired = {a.panels[i].name: b.panels[j].name for i, j in zip(rows, columns)}
+    return matching_from(a, b, paired, any_pose=any_pose)
+
+
+def matching_from(
+    a: Pattern, b: Pattern, panel_map: Mapping[str, str], *, any_pose: bool = False
+) -> Matching:
+    """The figures of a pairing that is already known."""
+    pairs = tuple(
+        PanelPair(
+            p.name,
+            panel_map[p.name],
+            panel_iou(p, b.by_name[panel_map[p.name]], any_pose=any_pose),
+            boundary_distance(p, b.by_name[panel_map[p.name]], any_pose=any_pose),
+        )
+        for p in a.panels
+        if p.name in panel_map
+    )
+    found = set(panel_map.values())
+    return Matching(
+        pairs,
+        missing=tuple(p.name for p in a.panels if p.name not in panel_map),
+        extra=tuple(p.name for p in b.panels if p.name not in found),
+    )
+
+
+def panel_iou(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
+    """Centroid-aligned intersection over union of two panels, holes counted."""
+    return float(iou_matrix([a], [b], any_pose=any_pose, floor=0.0)[0, 0])
+
+
+def iou_matrix(
+    a: Sequence[Panel], b: Sequence[Panel], *, any_pose: bool = False, floor: float = IOU_FLOOR
+) -> Float[np.ndarray, "a b"]:
+    """Centroid-aligned IoU of every panel of `a` with every panel of `b`.
+
+    Args:
+        a: panels.
+        b: panels.
+        any_pose: the best of the eight poses instead of the pose as it is.
+        floor: pairs whose areas forbid an IoU of this much are not compared and count as 0.
+    """
+    import shapely
+
+    regions_a = [panel_region(p) for p in a]
+    regions_b = [panel_region(p) for p in b]
+    area_a, area_b = (np.array([r.area for r in rs], float) for rs in (regions_a, regions_b))
+    smaller = np.minimum(area_a[:, None], area_b[None])
+    larger = np.maximum(area_a[:, None], area_b[None])
+    rows, columns = np.nonzero((larger > 0) & (smaller >= floor * larger))
+    best = np.zeros((len(a), len(b)))
+    left = _array(regions_a)[rows]
+    for pose in POSES if any_pose else POSES[:1]:
+        posed = _array([shapely.transform(r, lambda xy, m=pose: xy @ m.T) for r in regions_b])
+        shared = shapely.area(shapely.intersection(left, posed[columns]))
+        iou = shared / (area_a[rows] + area_b[columns] - shared)
+        best[rows, columns] = np.maximum(best[rows, columns], iou)
+    return best
+
+
+def panel_region(panel: Panel) -> "BaseGeometry":
+    """The cloth of a panel as a shapely area, its centroid at the origin [cm].
+
+    A boundary that crosses itself is read by the even-odd rule.
+    """
+    import shapely
+
+    holes = [loop_polygon(h) for h in panel.holes]
+    region: Any = shapely.Polygon(loop_polygon(panel.outline), holes)
+    if not region.is_valid:
+        parts = shapely.get_parts(shapely.make_valid(region))
+        region = shapely.union_all([g for g in parts if g.area > 0])
+    if region.is_empty:
+        return region
+    centre = np.array([region.centroid.x, region.centroid.y])
+    return shapely.transform(region, lambda xy: xy - centre)
+
+
+def loop_polygon(loop: Loop) -> Float[np.ndarray, "n 2"]:
+    """A loop as a fine polygon, not closed [cm]."""
+    return np.concatenate(
+        [c.sample(1 if c.is_straight else CURVE_CHORDS)[:-1] for c in loop.curves]
+    )
+
+
+def boundary_distance(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
+    """Mean distance between two outlines, centred, at equal shares of arc length [cm].
+
+    It does not depend on where the loops start nor which way they run: the best start of `b`
+    and the better direction are taken. Starts are tried at `BOUNDARY_POINTS` places.
+    """
+    points_a, points_b = _boundary_points(a), _boundary_points(b)
+    poses = POSES if any_pose else POSES[:1]
+    return min(_best_shift(points_a, points_b @ pose.T) for pose in poses)
+
+
+def _boundary_points(panel: Panel) -> Float[np.ndarray, "n 2"]:
+    polygon = loop_polygon(panel.outline)
+    closed = np.concatenate([polygon, polygon[:1]])
+    points = resample(closed, np.arange(BOUNDARY_POINTS) / BOUNDARY_POINTS)
+    return points - points.mean(axis=0)
+
+
+def _best_shift(a: np.ndarray, b: np.ndarray) -> float:
+    index = np.arange(len(a))
+    shifted = (index[:, None] + index[None]) % len(a)
+    best = np.inf
+    for order in (b, b[::-1]):
+        gaps = np.hypot(*(a[:, None] - order[None]).transpose(2, 0, 1))
+        best = min(best, float(gaps[index, shifted].mean(axis=1).min()))
+    return best
+
+
+def _nearness(a: Sequence[Panel], b: Sequence[Panel]) -> Float[np.ndarray, "a b"]:
+    """1 where two panels stand at the same place of their garments, falling to 0."""
+    places = [_places(a), _places(b)]
+    gaps = np.linalg.norm(places[0][:, None] - places[1][None], axis=2)
+    return np.exp(-gaps / PLACEMENT_RANGE_CM)
+
+
+def _places(panels: Sequence[Panel]) -> Float[np.ndarray, "n 3"]:
+    """World positions of the panels' middles, relative to the mean of the garment [cm]."""
+    if not panels:
+        return np.zeros((0, 3))
+    middles = [p.to_world(loop_polygon(p.outline).mean(axis=0)[None])[0] for p in panels]
+    return np.array(middles) - np.mean(middles, axis=0)
+
+
+def _array(regions: "Sequence[BaseGeometry]") -> np.ndarray:
+    array = np.empty(len(regions), dtype=object)
+    array[:] = regions
+    return array

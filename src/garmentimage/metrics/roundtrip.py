@@ -1,0 +1,466 @@
+"""The round trip, and the judge of whether the pattern that comes back is the one that went in.
+
+The judge sees two patterns only, the one that was and the one that came back. `roundtrip_file`
+takes a pattern file all the way, through a saved image and a saved pattern, twice: with the marks
+of the image (names and own frames of panels, which panels were cut in two) and with the marks
+deleted. Without marks the frame of a panel is unknown, so panels may lie mirrored or turned by
+quarters; and panels that were cut to lie on both layers stay cut.
+"""
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from garmentimage.errors import GarmentImageError
+from garmentimage.metrics.matching import Matching, iou_matrix, match_panels, matching_from
+from garmentimage.metrics.stitch_graph import (
+    GraphMatch,
+    StitchGraph,
+    match_graphs,
+    same_stitch_graph,
+    seam_agreement,
+    stitch_graph,
+)
+from garmentimage.metrics.validity import stitch_faults, structure_faults
+from garmentimage.metrics.workers import Lost, map_in_processes
+from garmentimage.pattern.model import Pattern
+
+if TYPE_CHECKING:
+    from garmentimage.raster.image import GarmentImage
+
+SUCCESS_IOU = 0.9
+"""Every panel must reach this centroid-aligned IoU."""
+
+TIME_LIMIT_S = 60.0
+"""Time that one file may take before it is given up [s]."""
+
+SECOND_CLOTH_LAYER = "collar or lapel"
+"""How the kind of a design ends that needs a second cloth layer."""
+
+
+@dataclass(frozen=True)
+class RoundtripResult:
+    """What the judge says of one pattern that came back."""
+
+    success: bool
+    reasons: tuple[str, ...]
+    """Why it is not the same pattern; empty on success."""
+    panels: tuple[int, int]
+    """Number of panels that went in and came back."""
+    iou: Mapping[str, float]
+    """IoU of each original panel, 0 where it is missing."""
+    boundary_distance: float
+    """Mean over paired panels of the mean distance of their boundaries [cm]; 0 without pairs."""
+    seam_agreement: float
+    """Share of the original seams that came back between the same panels and as long."""
+    seam_length_deviation: float | None
+    """Largest difference of a stitched length [cm]; None where the stitch graphs differ."""
+
+
+@dataclass(frozen=True)
+class Trip:
+    """One way there and back: the judge's result, or the error that ended it."""
+
+    result: RoundtripResult | None = None
+    stage: str = ""
+    """Step that failed: load, encode, save image, load image, decode, save, reload, judge."""
+    error: str = ""
+    """Class of the error that ended the trip."""
+    message: str = ""
+    grid: int | None = None
+    """The smallest grid that would do, where the encoder knows."""
+    times: Mapping[str, float] = field(default_factory=dict)
+    """Duration of each step [s]."""
+
+    @property
+    def success(self) -> bool:
+        """Whether the same pattern came back."""
+        return self.result is not None and self.result.success
+
+
+@dataclass(frozen=True)
+class FileReport:
+    """The round trip of one file."""
+
+    file: str
+    """Folder and name, without the way there."""
+    kind: str
+    with_marks: Trip
+    without_marks: Trip
+    cut_panels: int = 0
+    """Panels that were cut to lie on both layers; without marks they stay cut."""
+
+
+@dataclass(frozen=True)
+class KindSummary:
+    """Figures of all files of one kind; those of quality leave out files that ended in an error."""
+
+    kind: str
+    files: int
+    successes: int
+    successes_without_marks: int
+    cut_files: int
+    """Files with cut panels, which cannot succeed without marks."""
+    errors: Mapping[str, int]
+    """Errors that ended a trip with marks, by class."""
+    iou_mean: float | None
+    """Mean over all panels."""
+    iou_min: float | None
+    seam_agreement: float | None
+    """Mean over the files."""
+    encode_ms: float | None
+    """Median time [ms]."""
+    decode_ms: float | None
+    """Median time [ms]."""
+
+
+def judge(original: Pattern, decoded: Pattern, *, any_pose: bool = False) -> RoundtripResult:
+    """Whether `decoded` is the pattern `original`, and how near it comes.
+
+    Success: as many panels, each with IoU >= `SUCCESS_IOU`, the same stitch graph, and no fault
+    in panels or stitches that the original has not. The likeliest assignment of panels is tried
+    first (equal names, then shape and place); where it fails, any that fulfils all of this will do.
+
+    Args:
+        original: the pattern that went in.
+        decoded: the pattern that came back.
+        any_pose: panels may lie mirrored or turned by quarters in their own coordinates, and
+            names say nothing.
+    """
+    faults = stitch_faults(decoded)
+    if faults:
+        matching = match_panels(original, decoded, any_pose=any_pose)
+        return _result(original, decoded, matching, reasons=faults)
+    if structure_faults(original):
+        faults = []
+    else:
+        faults = structure_faults(decoded)
+    graphs = stitch_graph(original), stitch_graph(decoded)
+    likeliest = _likeliest(original, decoded, graphs, any_pose=any_pose)
+    reasons = _differences(original, decoded, graphs, likeliest)
+    if reasons:
+        match = _search(original, decoded, graphs, any_pose=any_pose)
+        if match is not None:
+            likeliest = matching_from(original, decoded, match.panels, any_pose=any_pose)
+            reasons = []
+    return _result(original, decoded, likeliest, graphs=graphs, reasons=reasons + faults)
+
+
+Graphs = tuple[StitchGraph, StitchGraph]
+
+
+def _likeliest(original: Pattern, decoded: Pattern, graphs: Graphs, *, any_pose: bool) -> Matching:
+    """The assignment of panels, by names or by shape, that explains more."""
+    by_shape = match_panels(original, decoded, any_pose=any_pose)
+    if any_pose:
+        return by_shape
+    by_name = match_panels(original, decoded, by_name=True)
+    return min(by_name, by_shape, key=lambda m: len(_differences(original, decoded, graphs, m)))
+
+
+def _differences(
+    original: Pattern, decoded: Pattern, graphs: Graphs, matching: Matching
+) -> list[str]:
+    """Why two patterns differ under an assignment of panels."""
+    reasons = []
+    if len(original.panels) != len(decoded.panels):
+        reasons.append(f"{len(decoded.panels)} panels instead of {len(original.panels)}")
+    reasons += [
+        f"panel {p.a!r} comes back with IoU {p.iou:.3f}"
+        for p in matching.pairs
+        if p.iou < SUCCESS_IOU
+    ]
+    return reasons + same_stitch_graph(*graphs, matching.panel_map)
+
+
+def _search(
+    original: Pattern, decoded: Pattern, graphs: Graphs, *, any_pose: bool
+) -> GraphMatch | None:
+    """Any assignment of panels under which the patterns are the same."""
+    if len(original.panels) != len(decoded.panels):
+        return None
+    iou = iou_matrix(original.panels, decoded.panels, any_pose=any_pose)
+    names = [p.name for p in decoded.panels]
+    candidates = {
+        p.name: [names[j] for j in np.argsort(-row, kind="stable") if row[j] >= SUCCESS_IOU]
+        for p, row in zip(original.panels, iou)
+    }
+    return match_graphs(*graphs, candidates)
+
+
+def _result(
+    original: Pattern,
+    decoded: Pattern,
+    matching: Matching,
+    *,
+    reasons: list[str],
+    graphs: Graphs | None = None,
+) -> RoundtripResult:
+    agreement, deviation = 0.0, None
+    if graphs is not None:
+        agreement = seam_agreement(*graphs, matching.panel_map)
+        match = match_graphs(*graphs, {p.a: [p.b] for p in matching.pairs}, check_lengths=False)
+        if match is not None:
+            ours, theirs = (graph.sides for graph in graphs)
+            gaps = [abs(ours[k].length - theirs[m].length) for k, m in match.sides.items()]
+            deviation = max(gaps, default=0.0)
+    distances = [p.boundary_distance for p in matching.pairs]
+    return RoundtripResult(
+        success=not reasons,
+        reasons=tuple(reasons),
+        panels=(len(original.panels), len(decoded.panels)),
+        iou={p.a: p.iou for p in matching.pairs} | dict.fromkeys(matching.missing, 0.0),
+        boundary_distance=float(np.mean(distances)) if distances else 0.0,
+        seam_agreement=agreement,
+        seam_length_deviation=deviation,
+    )
+
+
+def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
+    """Take one pattern file to an image file and back, with and without marks, and judge it.
+
+    Errors end a trip and are told in the report; none is raised, not even for our own mistakes.
+    """
+    from garmentimage.pattern.spec import load_pattern
+    from garmentimage.raster.encode import encode
+    from garmentimage.raster.files import save_image
+
+    path = Path(path)
+    report = partial(FileReport, _short_name(path), kind_of(path))
+    clock = _Clock()
+    with tempfile.TemporaryDirectory() as folder, clock.catching() as failed:
+        with clock.step("load"):
+            original = load_pattern(path)
+        with clock.step("encode"):
+            image = encode(original, grid=grid)
+        with clock.step("save image"):
+            save_image(image, Path(folder, "image.npz"))
+        cut = len({m.split_of for m in image.marks if m.split_of is not None})
+        saved = Path(folder, "image.npz")
+        there = clock.times
+        with_marks = _back(original, saved, Path(folder), keep_marks=True)
+        return report(
+            replace(with_marks, times={**there, **with_marks.times}),
+            _back(original, saved, Path(folder), keep_marks=False),
+            cut_panels=cut,
+        )
+    return report(failed[0], failed[0])
+
+
+def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> Trip:
+    """From a saved image to a saved pattern, and what the judge says of it."""
+    from garmentimage.pattern.spec import load_pattern, save_pattern
+    from garmentimage.raster.decode import decode
+    from garmentimage.raster.files import load_image, save_image
+
+    clock = _Clock()
+    with clock.catching() as failed:
+        with clock.step("load image"):
+            image: GarmentImage = load_image(saved)
+            if not keep_marks:
+                save_image(image.without_marks(), folder / "bare.npz")
+                image = load_image(folder / "bare.npz")
+        with clock.step("decode"):
+            decoded = decode(image)
+        with clock.step("save"):
+            save_pattern(decoded, folder / "pattern.json")
+        with clock.step("reload"):
+            decoded = load_pattern(folder / "pattern.json")
+        with clock.step("judge"):
+            result = judge(original, decoded, any_pose=not keep_marks)
+        return Trip(result, times=clock.times)
+    return failed[0]
+
+
+class _Clock:
+    """Times the steps of a trip and knows in which one it ended."""
+
+    def __init__(self) -> None:
+        self.times: dict[str, float] = {}
+        self.stage = ""
+
+    @contextmanager
+    def step(self, stage: str) -> Iterator[None]:
+        self.stage = stage
+        start = perf_counter()
+        yield
+        self.times[stage] = perf_counter() - start
+
+    @contextmanager
+    def catching(self) -> Iterator[list[Trip]]:
+        """Any error inside ends here; the list then holds the trip that it ended."""
+        failed: list[Trip] = []
+        try:
+            yield failed
+        except Exception as error:  # One file's failure must not end a run over thousands.
+            grid = getattr(error, "grid", None) if isinstance(error, GarmentImageError) else None
+            failed.append(
+                Trip(
+                    stage=self.stage,
+                    error=type(error).__name__,
+                    message=str(error),
+                    grid=grid,
+                    times=self.times,
+                )
+            )
+
+
+def roundtrip_many(
+    paths: Sequence[str | Path],
+    grid: int = 16,
+    *,
+    workers: int | None = None,
+    progress: Callable[[FileReport], None] | None = None,
+    time_limit: float = TIME_LIMIT_S,
+) -> list[FileReport]:
+    """The round trips of many files, in the order of `paths`.
+
+    Args:
+        paths: pattern files.
+        grid: cells along each side.
+        workers: processes; default: one for each core. 0: all in this process, no time limit.
+        progress: called with each report as it comes, in no fixed order.
+        time_limit: a file that takes longer [s] counts as an error.
+    """
+    work = partial(roundtrip_file, grid=grid)
+    reports: dict[int, FileReport] = {}
+    count = workers if workers is not None else os.cpu_count() or 1
+    if count == 0:
+        outcomes: Iterator[tuple[int, FileReport | Lost]] = (
+            (k, work(path)) for k, path in enumerate(paths)
+        )
+    else:
+        outcomes = map_in_processes(work, paths, workers=count, time_limit=time_limit)
+    for number, outcome in outcomes:
+        if isinstance(outcome, Lost):
+            path = Path(paths[number])
+            trip = Trip(stage="run", error="Lost", message=outcome.reason)
+            outcome = FileReport(_short_name(path), kind_of(path), trip, trip)
+        reports[number] = outcome
+        if progress is not None:
+            progress(outcome)
+    return [reports[k] for k in range(len(paths))]
+
+
+def kind_of(path: str | Path) -> str:
+    """What kind of garment a file holds: its folder's name.
+
+    A folder of designs may have a manifest, FOLDER_manifest.json in it or beside it: a list of
+    designs with `id` and `collar_panels`. Designs with such panels are a kind of their own, since
+    a collar or lapel is a second layer of cloth.
+    """
+    path = Path(path).resolve()
+    folder = path.parent.name
+    if path.stem in _designs_with_collar(path.parent):
+        return f"{folder}, {SECOND_CLOTH_LAYER}"
+    return folder
+
+
+@cache
+def _designs_with_collar(folder: Path) -> frozenset[str]:
+    for place in (folder, folder.parent):
+        manifest = place / f"{folder.name}_manifest.json"
+        if manifest.is_file():
+            designs = json.loads(manifest.read_text(encoding="utf-8"))
+            return frozenset(d["id"] for d in designs if d.get("collar_panels"))
+    return frozenset()
+
+
+def _short_name(path: Path) -> str:
+    path = path.resolve()
+    return f"{path.parent.name}/{path.name}"
+
+
+def summarise(reports: Sequence[FileReport]) -> list[KindSummary]:
+    """One row for each kind, by name, and one for all together."""
+    kinds = sorted({r.kind for r in reports})
+    rows = [_summary(kind, [r for r in reports if r.kind == kind]) for kind in kinds]
+    return rows if len(kinds) == 1 else [*rows, _summary("all", reports)]
+
+
+def _summary(kind: str, reports: Sequence[FileReport]) -> KindSummary:
+    results = [r.with_marks.result for r in reports if r.with_marks.result is not None]
+    ious = [iou for result in results for iou in result.iou.values()]
+    errors = sorted(r.with_marks.error for r in reports if r.with_marks.error)
+    return KindSummary(
+        kind=kind,
+        files=len(reports),
+        successes=sum(r.with_marks.success for r in reports),
+        successes_without_marks=sum(r.without_marks.success for r in reports),
+        cut_files=sum(r.cut_panels > 0 for r in reports),
+        errors={name: errors.count(name) for name in errors},
+        iou_mean=_mean(ious),
+        iou_min=min(ious, default=None),
+        seam_agreement=_mean([result.seam_agreement for result in results]),
+        encode_ms=_median_ms(reports, "encode"),
+        decode_ms=_median_ms(reports, "decode"),
+    )
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return float(np.mean(values)) if values else None
+
+
+def _median_ms(reports: Sequence[FileReport], step: str) -> float | None:
+    times = [r.with_marks.times[step] for r in reports if step in r.with_marks.times]
+    return 1000 * float(np.median(times)) if times else None
+
+
+def summary_table(rows: Sequence[KindSummary]) -> str:
+    """The figures as a table of plain text."""
+    head = (
+        "kind",
+        "files",
+        "success",
+        "%",
+        "no marks",
+        "cut",
+        "IoU mean",
+        "IoU min",
+        "seams",
+        "encode ms",
+        "decode ms",
+        "errors",
+    )
+    body = [
+        (
+            row.kind,
+            str(row.files),
+            str(row.successes),
+            f"{100 * row.successes / row.files:.1f}" if row.files else "-",
+            str(row.successes_without_marks),
+            str(row.cut_files),
+            _shown(row.iou_mean, 4),
+            _shown(row.iou_min, 4),
+            _shown(row.seam_agreement, 4),
+            _shown(row.encode_ms, 1),
+            _shown(row.decode_ms, 1),
+            ", ".join(f"{n} {name}" for name, n in row.errors.items()) or "-",
+        )
+        for row in rows
+    ]
+    widths = [max(len(line[k]) for line in (head, *body)) for k in range(len(head))]
+    return "\n".join(_table_line(line, widths) for line in (head, *body))
+
+
+def _table_line(line: tuple[str, ...], widths: Sequence[int]) -> str:
+    """First and last column to the left, figures to the right."""
+    last = len(line) - 1
+    cells = [
+        text.ljust(width) if k in (0, last) else text.rjust(width)
+        for k, (text, width) in enumerate(zip(line, widths))
+    ]
+    return "  ".join(cells).rstrip()
+
+
+def _shown(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

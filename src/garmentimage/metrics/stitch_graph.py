@@ -1,0 +1,462 @@
+"""How a garment hangs together, and whether two garments hang together alike.
+
+Words of this file:
+
+- A **seam side** is a run of consecutive edges of one loop; a **seam** is two seam sides sewn
+  together. Stitches belong to one seam as long as the next edge on one side is sewn to the next
+  edge on the other (the one before it, where ends cross), in the same manner.
+- A **gap** is a free (unsewn) stretch between two seam sides of a loop. Only whether there is one
+  counts: how many edges it has and how long they are is the business of IoU.
+- A **dart** is a seam of a loop with itself whose sides meet at a vertex, the apex. A run of
+  stitches never goes on across an apex, or the dart would fold away.
+- A **closed** seam side is a whole loop without beginning: where its first edge lies does not
+  count.
+
+The graph is kept as a combinatorial map: for each seam side the next one round its loop and the
+one that it is sewn to. One pair of seam sides that are the same therefore fixes all that hangs
+together with them, which is why comparing is quick.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from garmentimage.pattern.model import Pattern, Side, Stitch
+
+LENGTH_TOL_SHARE = 0.02
+"""Stitched lengths agree within this share of the length ..."""
+
+LENGTH_TOL_CM = 0.5
+"""... or within this much [cm], whichever is more."""
+
+SEARCH_LIMIT = 500_000
+"""Seam sides visited before the search for a panel assignment gives up."""
+
+
+@dataclass(frozen=True)
+class SeamSide:
+    """One side of a seam: a run of edges of one loop, sewn to another run."""
+
+    panel: str
+    loop: int
+    """0 for the outline, then the holes."""
+    edges: tuple[int, ...]
+    """Edge numbers of the panel, in loop order."""
+    length: float
+    """Length along the run [cm]."""
+    closed: bool
+    """The whole loop, without beginning or end."""
+    next: int
+    """Index of the next seam side round the loop (its own where there is no other)."""
+    gap_after: bool
+    """A free stretch lies between this seam side and the next."""
+    partner: int
+    """Index of the seam side that this one is sewn to."""
+    same_direction: bool
+    """Start meets start, instead of start meets end."""
+
+
+@dataclass(frozen=True)
+class StitchGraph:
+    """Seam sides in order of panel, loop and edge; and the number of loops of every panel."""
+
+    sides: tuple[SeamSide, ...]
+    loops: Mapping[str, int]
+
+    @cached_property
+    def by_panel(self) -> Mapping[str, tuple[int, ...]]:
+        """Indices of the seam sides of each panel."""
+        found: dict[str, list[int]] = {name: [] for name in self.loops}
+        for k, side in enumerate(self.sides):
+            found[side.panel].append(k)
+        return {name: tuple(ks) for name, ks in found.items()}
+
+    @cached_property
+    def seams(self) -> tuple[tuple[int, int], ...]:
+        """Each seam once, as the indices of its two sides, the smaller first."""
+        return tuple((k, s.partner) for k, s in enumerate(self.sides) if k <= s.partner)
+
+    def is_dart(self, k: int) -> bool:
+        """Whether seam side `k` is a leg of a dart."""
+        side = self.sides[k]
+        if side.same_direction or side.partner == k:
+            return False
+        other = self.sides[side.partner]
+        meets_after = side.next == side.partner and not side.gap_after
+        meets_before = other.next == k and not other.gap_after
+        return meets_after or meets_before
+
+    @cached_property
+    def components(self) -> tuple[tuple[int, ...], ...]:
+        """Seam sides that hang together, largest set first."""
+        seen: set[int] = set()
+        found = []
+        for start in range(len(self.sides)):
+            if start in seen:
+                continue
+            seen.add(start)
+            reached = [start]
+            for k in reached:
+                for n in (self.sides[k].next, self.sides[k].partner):
+                    if n not in seen:
+                        seen.add(n)
+                        reached.append(n)
+            found.append(tuple(sorted(reached)))
+        return tuple(sorted(found, key=lambda c: (-len(c), c)))
+
+
+@dataclass(frozen=True)
+class GraphMatch:
+    """How one stitch graph lies on another: panel by panel, seam side by seam side."""
+
+    panels: Mapping[str, str]
+    sides: Mapping[int, int]
+
+
+def lengths_agree(a: float, b: float) -> bool:
+    """Whether two stitched lengths [cm] count as the same; `a` is the one that should be."""
+    return abs(a - b) <= max(LENGTH_TOL_CM, LENGTH_TOL_SHARE * a)
+
+
+def stitch_graph(pattern: Pattern) -> StitchGraph:
+    """The stitch graph of a pattern.
+
+    The pattern's stitches must name existing edges, each at most once (see `validity`).
+    """
+    stitch_of = {side: s for s in pattern.stitches for side in s.sides}
+    rings = _rings(pattern)
+    after = {s: n for ring in rings for s, n in zip(ring, ring[1:] + ring[:1])}
+    before = {n: s for s, n in after.items()}
+
+    def goes_on(side: Side) -> bool:
+        """Whether the run of `side` goes on with the edge after it."""
+        follower = after[side]
+        stitch, following = stitch_of.get(side), stitch_of.get(follower)
+        if stitch is None or following is None or stitch is following:
+            return False
+        if stitch.same_direction != following.same_direction:
+            return False
+        step = after if stitch.same_direction else before
+        return pattern.partners[follower] == step[pattern.partners[side]]
+
+    runs = [_runs(ring, stitch_of, goes_on) for ring in rings]
+    run_of = {side: k for k, run in enumerate(r for rs in runs for r in rs) for side in run}
+    loop_of = {side: number for ring, number in zip(rings, _loop_numbers(pattern)) for side in ring}
+    sides = []
+    for ring_runs in runs:
+        for run, following in zip(ring_runs, ring_runs[1:] + ring_runs[:1]):
+            closed = goes_on(run[-1])
+            sides.append(
+                SeamSide(
+                    panel=run[0].panel,
+                    loop=loop_of[run[0]],
+                    edges=tuple(s.edge for s in run),
+                    length=sum(pattern.curve(s).length for s in run),
+                    closed=closed,
+                    next=run_of[following[0]],
+                    gap_after=after[run[-1]] != following[0],
+                    partner=run_of[pattern.partners[run[0]]],
+                    same_direction=stitch_of[run[0]].same_direction,
+                )
+            )
+    return StitchGraph(tuple(sides), {p.name: len(p.loops) for p in pattern.panels})
+
+
+def _rings(pattern: Pattern) -> list[list[Side]]:
+    """The sides of every loop of every panel, in loop order."""
+    rings = []
+    for panel in pattern.panels:
+        first = 0
+        for loop in panel.loops:
+            last = first + len(loop.edges)
+            rings.append([Side(panel.name, k) for k in range(first, last)])
+            first = last
+    return rings
+
+
+def _loop_numbers(pattern: Pattern) -> list[int]:
+    return [number for panel in pattern.panels for number in range(len(panel.loops))]
+
+
+def _runs(
+    ring: list[Side], sewn: Mapping[Side, Stitch], goes_on: Callable[[Side], bool]
+) -> list[list[Side]]:
+    """The sewn runs of one loop, in loop order."""
+    starts = [k for k, s in enumerate(ring) if s in sewn and not goes_on(ring[k - 1])]
+    if not starts:
+        return [ring] if ring[0] in sewn else []
+    runs = []
+    for start in starts:
+        run = [ring[start]]
+        while goes_on(run[-1]):
+            run.append(ring[(start + len(run)) % len(ring)])
+        runs.append(run)
+    return runs
+
+
+def match_graphs(
+    a: StitchGraph,
+    b: StitchGraph,
+    candidates: Mapping[str, Sequence[str]],
+    *,
+    check_lengths: bool = True,
+) -> GraphMatch | None:
+    """Lay one stitch graph on another, each panel on one of its candidates.
+
+    Args:
+        a: the graph that should be.
+        b: the graph that is.
+        candidates: for each panel of `a` the panels of `b` that it may be, the best first.
+        check_lengths: demand that stitched lengths agree (`lengths_agree`).
+
+    Returns:
+        The first way found in the order of `candidates`, or None where there is none (or none
+        within `SEARCH_LIMIT`).
+    """
+    if len(a.sides) != len(b.sides) or len(a.loops) != len(b.loops):
+        return None
+    fitting = {
+        p: tuple(q for q in candidates.get(p, ()) if _same_counts(a, p, b, q)) for p in a.loops
+    }
+    loose = _match_loose(a, b, fitting)
+    if loose is None:
+        return None
+    laying = _Laying(a, b, fitting, check_lengths)
+    # Depth-first: choices[k] runs through the ways to lay component k - 1 on top of those before.
+    choices = [iter([GraphMatch({}, {})])]
+    while choices:
+        match = next(choices[-1], None)
+        if match is None:
+            choices.pop()
+        elif len(choices) > len(a.components):
+            return GraphMatch({**match.panels, **loose}, match.sides)
+        else:
+            choices.append(laying.ways(a.components[len(choices) - 1], match))
+    return None
+
+
+def _same_counts(a: StitchGraph, p: str, b: StitchGraph, q: str) -> bool:
+    return a.loops[p] == b.loops[q] and len(a.by_panel[p]) == len(b.by_panel[q])
+
+
+def _match_loose(
+    a: StitchGraph, b: StitchGraph, candidates: Mapping[str, Sequence[str]]
+) -> dict[str, str] | None:
+    """A counterpart for every panel that nothing is sewn to, the best candidates preferred."""
+    from scipy.optimize import linear_sum_assignment
+
+    loose_a = [p for p in a.loops if not a.by_panel[p]]
+    loose_b = [q for q in b.loops if not b.by_panel[q]]
+    if len(loose_a) != len(loose_b):
+        return None
+    forbidden = float(len(loose_b) ** 2 + 1)
+    column = {q: k for k, q in enumerate(loose_b)}
+    cost = np.full((len(loose_a), len(loose_b)), forbidden)
+    for i, p in enumerate(loose_a):
+        for rank, q in enumerate(candidates[p]):
+            cost[i, column[q]] = rank
+    rows, columns = linear_sum_assignment(cost)
+    if len(rows) and cost[rows, columns].max() >= forbidden:
+        return None
+    return {loose_a[i]: loose_b[j] for i, j in zip(rows, columns)}
+
+
+class _Laying:
+    """Lays components of one graph on another, counting its steps."""
+
+    def __init__(
+        self,
+        a: StitchGraph,
+        b: StitchGraph,
+        candidates: Mapping[str, Sequence[str]],
+        check_lengths: bool,
+    ) -> None:
+        self.a, self.b, self.candidates, self.check_lengths = a, b, candidates, check_lengths
+        self.steps = 0
+
+    def ways(self, component: tuple[int, ...], so_far: GraphMatch) -> Iterator[GraphMatch]:
+        """Every way to lay one component, given how others lie."""
+        a, b = self.a, self.b
+        root = min(component, key=lambda k: (len(self.candidates[a.sides[k].panel]), k))
+        for q in self.candidates[a.sides[root].panel]:
+            # The seam side of the most similar length is the likeliest one.
+            by_length = sorted(
+                b.by_panel[q], key=lambda k: abs(b.sides[k].length - a.sides[root].length)
+            )
+            for image in by_length:
+                way = self._lay(root, image, so_far)
+                if way is not None:
+                    yield way
+
+    def _lay(self, root: int, image: int, so_far: GraphMatch) -> GraphMatch | None:
+        """Follow `next` and `partner` from one pair of seam sides; None where they disagree."""
+        panels, sides = dict(so_far.panels), dict(so_far.sides)
+        taken_panels, taken_sides = set(panels.values()), set(sides.values())
+        waiting = [(root, image)]
+        while waiting:
+            k, m = waiting.pop()
+            if k in sides or m in taken_sides:
+                if sides.get(k) != m:
+                    return None
+                continue
+            self.steps += 1
+            if self.steps > SEARCH_LIMIT:
+                return None
+            x, y = self.a.sides[k], self.b.sides[m]
+            if not self._alike(x, y):
+                return None
+            if x.panel in panels or y.panel in taken_panels:
+                if panels.get(x.panel) != y.panel:
+                    return None
+            elif y.panel not in self.candidates[x.panel]:
+                return None
+            panels[x.panel] = y.panel
+            taken_panels.add(y.panel)
+            sides[k] = m
+            taken_sides.add(m)
+            waiting += [(x.next, y.next), (x.partner, y.partner)]
+        return GraphMatch(panels, sides)
+
+    def _alike(self, x: SeamSide, y: SeamSide) -> bool:
+        return (
+            (x.closed, x.gap_after, x.same_direction, x.loop > 0)
+            == (y.closed, y.gap_after, y.same_direction, y.loop > 0)
+        ) and (not self.check_lengths or lengths_agree(x.length, y.length))
+
+
+def same_stitch_graph(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str]) -> list[str]:
+    """Why two stitch graphs differ under a given assignment of panels; empty where they agree.
+
+    Args:
+        a: the graph that should be; the reasons use its panel names.
+        b: the graph that is.
+        panel_map: panels of `a` -> panels of `b`.
+    """
+    lonely = [f"panel {p!r} has no counterpart" for p in a.loops if p not in panel_map]
+    found = set(panel_map.values())
+    lonely += [f"panel {q!r} is extra" for q in b.loops if q not in found]
+    if lonely:
+        return lonely
+    fixed = {p: (q,) for p, q in panel_map.items()}
+    if match_graphs(a, b, fixed) is not None:
+        return []
+    topology = match_graphs(a, b, fixed, check_lengths=False)
+    if topology is not None:
+        return _length_reasons(a, b, topology)
+    return _topology_reasons(a, b, panel_map)
+
+
+def _length_reasons(a: StitchGraph, b: StitchGraph, match: GraphMatch) -> list[str]:
+    reasons = []
+    for k, m in sorted(match.sides.items()):
+        x, y = a.sides[k], b.sides[m]
+        if not lengths_agree(x.length, y.length):
+            reasons.append(
+                f"panel {x.panel!r}, edges {list(x.edges)}: sewn over {y.length:.2f} cm "
+                f"instead of {x.length:.2f} cm"
+            )
+    return reasons or ["stitched lengths agree only if the seams change places"]
+
+
+def _topology_reasons(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str]) -> list[str]:
+    """What differs, from the coarse to the fine: loops, seams between panels, order round them."""
+    reasons = [
+        f"panel {p!r} has {b.loops[q]} loops instead of {a.loops[p]}"
+        for p, q in panel_map.items()
+        if a.loops[p] != b.loops[q]
+    ]
+    wanted = Counter(_seam_kind(a, seam, {p: p for p in a.loops}) for seam in a.seams)
+    back = {q: p for p, q in panel_map.items()}
+    given = Counter(_seam_kind(b, seam, back) for seam in b.seams)
+    for kind in sorted(wanted.keys() | given.keys()):
+        if wanted[kind] != given[kind]:
+            (one, other), word = kind
+            reasons.append(
+                f"{given[kind]} {word} between {one!r} and {other!r} instead of {wanted[kind]}"
+            )
+    if reasons:
+        return reasons
+    for p, q in panel_map.items():
+        if _cycles(a, p, {n: n for n in a.loops}) != _cycles(b, q, back):
+            reasons.append(f"panel {p!r}: seams and gaps follow each other in another order")
+    return reasons or ["seams between the same panels are interchanged"]
+
+
+def _seam_kind(
+    graph: StitchGraph, seam: tuple[int, int], names: Mapping[str, str]
+) -> tuple[tuple[str, ...], str]:
+    """Which panels a seam joins, and how."""
+    first, second = (graph.sides[k] for k in seam)
+    word = "darts" if graph.is_dart(seam[0]) else "seams"
+    if first.closed:
+        word = "closed " + word
+    if first.same_direction:
+        word += " (start to start)"
+    return tuple(sorted((names[first.panel], names[second.panel]))), word
+
+
+def _cycles(graph: StitchGraph, panel: str, names: Mapping[str, str]) -> list[list[tuple]]:
+    """What follows what round each loop of a panel, the same for every start of the loop."""
+    letters = {
+        k: (
+            names[graph.sides[side.partner].panel],
+            graph.is_dart(k),
+            side.same_direction,
+            side.closed,
+            side.gap_after,
+        )
+        for k, side in ((k, graph.sides[k]) for k in graph.by_panel[panel])
+    }
+    cycles, seen = [], set[int]()
+    for start in letters:
+        if start in seen:
+            continue
+        cycle = [start]
+        while graph.sides[cycle[-1]].next != start:
+            cycle.append(graph.sides[cycle[-1]].next)
+        seen.update(cycle)
+        word = [letters[k] for k in cycle]
+        cycles.append(min(word[k:] + word[:k] for k in range(len(word))))
+    return sorted(cycles)
+
+
+def seam_agreement(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str]) -> float:
+    """Share of the seams of `a` that `b` has too: same panels, manner and lengths; 1 if none.
+
+    A measure for patterns that are not the same: the order round the panels does not count.
+    """
+    back = {q: p for p, q in panel_map.items()}
+    left: dict[tuple, list[tuple[int, int]]] = {}
+    for seam in b.seams:
+        if all(b.sides[k].panel in back for k in seam):
+            left.setdefault(_seam_kind(b, seam, back), []).append(seam)
+    names = {p: p for p in a.loops}
+    agreeing = 0
+    for seam in a.seams:
+        rivals = left.get(_seam_kind(a, seam, names), [])
+        match = next((r for r in rivals if _seams_agree(a, seam, b, r, back)), None)
+        if match is not None:
+            rivals.remove(match)
+            agreeing += 1
+    return agreeing / len(a.seams) if a.seams else 1.0
+
+
+def _seams_agree(
+    a: StitchGraph,
+    seam: tuple[int, int],
+    b: StitchGraph,
+    rival: tuple[int, int],
+    back: Mapping[str, str],
+) -> bool:
+    """Whether the sides of two seams agree in panel and length, in this order or the other."""
+    return any(
+        all(
+            a.sides[k].panel == back[b.sides[m].panel]
+            and lengths_agree(a.sides[k].length, b.sides[m].length)
+            for k, m in zip(seam, order)
+        )
+        for order in (rival, rival[::-1])
+    )

@@ -1,0 +1,270 @@
+"""Encoding: a sewing pattern becomes a GarmentImage (paper, Section 3.2).
+
+The garment is placed and laid out in the plane with every seam coincident, drawn on a fine
+lattice with arcs that share no vertex, and compacted to the image's lattice. Each step keeps the
+drawing valid, so the image is valid by construction: every panel one disk of cells, both sides of
+a seam the same grid edges.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from garmentimage.errors import EncodeError
+from garmentimage.geometry.polygons import centroid, resample, signed_area
+from garmentimage.pattern.model import Pattern
+from garmentimage.raster.cells import cell_mesh
+from garmentimage.raster.compact import compact
+from garmentimage.raster.complex import SeamComplex, seam_complex
+from garmentimage.raster.deform import deform_quad_mesh
+from garmentimage.raster.drawing import Drawing, Path, drawing_of, joined_links, with_links
+from garmentimage.raster.frame import BodyFrame
+from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
+from garmentimage.raster.layout import Layout, layouts
+from garmentimage.raster.place import PlacedPanel, place
+from garmentimage.raster.polish import polish
+from garmentimage.raster.route import route
+from garmentimage.raster.symmetry import find_mirror, halve
+
+GRIDS = (8, 128)
+"""Smallest and largest grid that can be encoded to."""
+FINE_CELLS = 128
+"""Fine lattice steps across the grid in the first attempt."""
+ATTEMPTS = ((1.0, 5.0), (1.5, 9.0), (2.0, 16.0))
+"""(factor on the fine lattice, corridor in fine steps), tried in turn."""
+PASSES = 3
+"""Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
+LARGER_GRIDS = (24, 32, 48, 64)
+"""Grids that are tried to say which one would do."""
+
+
+def encode(pattern: Pattern, grid: int = 16) -> GarmentImage:
+    """Draw a sewing pattern on the grid.
+
+    Args:
+        pattern: the garment; placement decides which layer a panel lies on.
+        grid: cells along each side, N.
+
+    Returns:
+        A valid image in the standard body frame, the same for the same pattern every time.
+
+    Raises:
+        PatternError: the pattern is not sound.
+        EncodeError: it does not fit; says what is in the way and which grid would do.
+    """
+    if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
+        raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
+    complex_ = seam_complex(place(pattern))
+    try:
+        return _encode(pattern, complex_, grid)
+    except EncodeError as error:
+        for larger in LARGER_GRIDS:
+            if larger <= grid:
+                continue
+            try:
+                _encode(pattern, complex_, larger)
+            except EncodeError:
+                continue
+            raise EncodeError(
+                f"{error}; it fits a grid of {larger} (asked for {grid})", grid=larger
+            ) from None
+        raise
+
+
+def _encode(pattern: Pattern, complex_: SeamComplex, grid: int) -> GarmentImage:
+    frame = BodyFrame.standard(grid)
+    first: EncodeError | None = None
+    for layout in layouts(complex_):
+        for paths in _drawings(layout, frame):
+            if isinstance(paths, EncodeError):
+                first = first or paths
+                continue
+            try:
+                return _image(pattern, complex_, paths, frame)
+            except EncodeError as error:
+                first = first or error
+    raise first or EncodeError("the pattern has no layout")
+
+
+def _drawings(layout: Layout, frame: BodyFrame) -> Iterator[list[Path] | EncodeError]:
+    """Lattice paths of the arcs, best attempt first; failures as they come."""
+    whole = drawing_of(layout, frame)
+    mirror = find_mirror(layout)
+    half = halve(whole, mirror) if mirror is not None else None
+    for factor, radius in ATTEMPTS:
+        fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
+        if half is not None:
+            try:
+                drawing = with_links(half.drawing)
+                yield half.unfold(joined_links(drawing, lattice_paths(drawing, fine, radius)))
+            except EncodeError as error:
+                yield error
+        try:
+            drawing = with_links(whole)
+            yield joined_links(drawing, lattice_paths(drawing, fine, radius))
+        except EncodeError as error:
+            yield error
+
+
+def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
+    """Vertex-disjoint paths on the image's lattice, grid lines 1 to N - 1.
+
+    Raises:
+        EncodeError: the drawing is too crowded for this lattice.
+    """
+    low, high = 1, drawing.grid - 1
+    drawn = route(drawing, fine, radius)
+    state = drawn.paths, drawn.wanted
+    for turn in range(PASSES):
+        for along in (0, 1):
+            moved = compact(drawing, *state, along, low, high)
+            if moved is None and turn < PASSES - 1:
+                moved = compact(drawing, *state, along, low, high, bounded=False)
+            if moved is None:
+                raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
+            state = moved
+    return polish(drawing, state[0], low, high)
+
+
+def _image(
+    pattern: Pattern, complex_: SeamComplex, paths: list[Path], frame: BodyFrame
+) -> GarmentImage:
+    panels = complex_.placed.panels
+    edge_type = _edge_types(complex_, paths, frame.grid)
+    owner = _fill_panels(complex_, paths, frame.grid)
+    deformation = np.zeros((2, 4, 2, frame.grid, frame.grid), np.float32)
+    marks = []
+    for i, panel in enumerate(panels):
+        mask = owner[panel.layer] == i
+        _deform(complex_, i, paths, mask, edge_type[panel.layer], frame, deformation[panel.layer])
+        marks.append(_mark(pattern, panel, mask))
+    return GarmentImage(
+        inside=owner >= 0,
+        edge_type=edge_type,
+        deformation=deformation,
+        frame=frame,
+        marks=tuple(marks),
+        name=pattern.name,
+    )
+
+
+def _edge_types(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndarray:
+    """Types of the grid edges, straight from the arcs; [layer, bottom or left, row, col]."""
+    types = np.full((2, 2, grid, grid), EdgeType.NON_BOUNDARY, np.int8)
+    for arc, path in zip(complex_.arcs, paths):
+        corner = np.minimum(path[:-1], path[1:])
+        upright = (path[:-1, 0] == path[1:, 0]).astype(int)
+        for layer in arc.layers:
+            types[layer, upright, corner[:, 1], corner[:, 0]] = arc.kind
+    return types
+
+
+def _fill_panels(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndarray:
+    """The panel of each cell, -1 outside; [layer, row, col].
+
+    Raises:
+        EncodeError: a panel without cells, or two panels on one cell.
+    """
+    owner = np.full((2, grid, grid), -1)
+    panels = complex_.placed.panels
+    for i, panel in enumerate(panels):
+        crossed = np.zeros((grid, grid + 1), int)
+        for k in range(len(panel.curves)):
+            arc, _ = complex_.owner[i, k]
+            if complex_.arcs[arc].slit:
+                continue
+            path = paths[arc]
+            upright = path[:-1, 0] == path[1:, 0]
+            rows = np.minimum(path[:-1, 1], path[1:, 1])[upright]
+            np.add.at(crossed, (rows, path[:-1, 0][upright]), 1)
+        mask = (np.cumsum(crossed, axis=1) % 2)[:, :grid].astype(bool)
+        if not mask.any():
+            raise EncodeError(f"panel {panel.source!r} is too small for the grid")
+        taken = owner[panel.layer][mask]
+        if (taken >= 0).any():
+            other = panels[int(taken.max())].source
+            raise EncodeError(
+                f"panels {panel.source!r} and {other!r} lie on top of each other; "
+                "one of them needs a second cloth layer"
+            )
+        owner[panel.layer][mask] = i
+    return owner
+
+
+def _deform(
+    complex_: SeamComplex,
+    index: int,
+    paths: list[Path],
+    mask: np.ndarray,
+    edge_type: np.ndarray,
+    frame: BodyFrame,
+    out: np.ndarray,
+) -> None:
+    """Edge vectors of one panel's cells into `out` [4, 2, row, col] (paper, Eq. 1)."""
+    panel = complex_.placed.panels[index]
+    mesh = cell_mesh(mask, edge_type)
+    number = np.full(mask.shape, -1)
+    number[mesh.cells[:, 0], mesh.cells[:, 1]] = np.arange(len(mesh.cells))
+    target = np.full((mesh.vertex_count, 2), np.nan)
+    for loop_number, loop in enumerate(panel.loops):
+        outline = np.concatenate([panel.curves[k][:-1] for k in loop])
+        cloth_left = (signed_area(outline) > 0) == (loop_number == 0)
+        for k in loop:
+            arc, back = complex_.owner[index, k]
+            path = paths[arc][::-1] if back else paths[arc]
+            points = resample(panel.curves[k], np.linspace(0, 1, len(path)))
+            vertices = _boundary_vertices(path, cloth_left, number, mesh.corner_ids)
+            if vertices is None:
+                raise EncodeError(f"panel {panel.source!r} is turned inside out on the grid")
+            target[vertices[:, 0]] = points[:-1]
+            target[vertices[:, 1]] = points[1:]
+    pinned = np.flatnonzero(~np.isnan(target[:, 0]))
+    rest = frame.to_body(mesh.lattice)
+    bl, br, tr, tl = mesh.corner_ids.T
+    sides = ((bl, br), (br, tr), (tl, tr), (bl, tl))
+    edges = np.unique(np.concatenate([np.stack(s, axis=1) for s in sides]), axis=0)
+    where = deform_quad_mesh(rest, edges, pinned, target[pinned])
+    rows, cols = mesh.cells.T
+    for k, (start, end) in enumerate(sides):
+        out[k, :, rows, cols] = where[end] - where[start]
+
+
+def _boundary_vertices(
+    path: Path, cloth_left: bool, number: np.ndarray, corner_ids: np.ndarray
+) -> np.ndarray | None:
+    """Mesh vertices [step, 2] at both ends of each step of a path, on its cloth side."""
+    step = path[1:] - path[:-1]
+    normal = np.stack([-step[:, 1], step[:, 0]], axis=1) * (1 if cloth_left else -1)
+    # Twice the middle of the step plus the normal is twice the cell's centre.
+    cell = (path[1:] + path[:-1] + normal - 1) // 2
+    if (cell < 0).any() or (cell >= len(number)).any():
+        return None
+    index = number[cell[:, 1], cell[:, 0]]
+    if (index < 0).any():
+        return None
+    corner_of = np.array([[0, 3], [1, 2]])  # [dx, dy] -> bl, tl, br, tr
+    ends = []
+    for at in (path[:-1], path[1:]):
+        offset = at - cell
+        ends.append(corner_ids[index, corner_of[offset[:, 0], offset[:, 1]]])
+    return np.stack(ends, axis=1)
+
+
+def _mark(pattern: Pattern, panel: PlacedPanel, mask: np.ndarray) -> PanelMark:
+    """What decoding may know of the panel's name and own frame."""
+    source = pattern.by_name[panel.source]
+    middle = (centroid(panel.outline) - panel.offset) @ panel.matrix
+    row, col = np.argwhere(mask)[0]
+    (a, b), (c, d) = panel.matrix.tolist()
+    return PanelMark(
+        name=panel.name,
+        layer=panel.layer,
+        cell=(int(row), int(col)),
+        matrix=((a, b), (c, d)),
+        anchor=(float(middle[0]), float(middle[1])),
+        rotation=source.rotation,
+        translation=source.translation,
+        split_of=panel.source if panel.half else None,
+        label=source.label,
+        grain=source.grain,
+    )

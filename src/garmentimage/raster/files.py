@@ -1,0 +1,207 @@
+"""GarmentImages on disk: our `.npz`, the authors' `.npy`, and bare channels as `.npy`.
+
+An `.npz` holds five plain arrays: `inside` bool, `edge_type` int8 and `deformation` float32 as in
+`GarmentImage`, `columns` and `rows` float64 (the grid lines on the body, cm), and `meta`, UTF-8
+JSON as bytes: format, version, name, layer names, panel marks, and for the reader's information
+the cell size and origin.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from garmentimage.errors import ImageError, OutputError
+from garmentimage.files import write_atomically
+from garmentimage.raster.arrays import (
+    NPY_MAGIC,
+    ZIP_MAGIC,
+    npy_bytes,
+    npz_bytes,
+    parse_npy,
+    parse_npz,
+    read_file,
+)
+from garmentimage.raster.frame import BodyFrame
+from garmentimage.raster.image import (
+    GRID_LIMITS,
+    LAYER_LIMIT,
+    EdgeType,
+    GarmentImage,
+    check_channels,
+)
+from garmentimage.raster.channel_order import (
+    ChannelOrder,
+    channels_from_authors,
+    order_of,
+    to_authors,
+)
+from garmentimage.raster.marks import mark_from_json, mark_to_json, read_text
+
+FORMAT = "garmentimage"
+VERSION = 1
+META_LIMIT = 4 * 2**20
+"""Largest `meta` [bytes]."""
+_ARRAYS = ("meta", "inside", "edge_type", "deformation", "columns", "rows")
+
+
+def save_image(image: GarmentImage, path: str | Path) -> None:
+    """Write the image: `.npz` keeps all of it, `.npy` is the authors' layout (channels only).
+
+    Raises:
+        OutputError: the name ends otherwise, or the file cannot be written.
+        ImageError: a `.npy` of an image that has not two layers.
+    """
+    path = Path(path)
+    match path.suffix.lower():
+        case ".npz":
+            data = npz_bytes(_to_arrays(image))
+        case ".npy":
+            data = npy_bytes(to_authors(image))
+        case suffix:
+            raise OutputError(f"{path}: images end in .npz or .npy, not {suffix or 'without one'}")
+    write_atomically(path, data)
+
+
+def load_image(path: str | Path, *, order: ChannelOrder | str | None = None) -> GarmentImage:
+    """Read an image from an `.npz` or `.npy` file; its content tells which it is.
+
+    Args:
+        path: the file.
+        order: order of the channels of a `.npy`; default: told from the values.
+
+    Raises:
+        ImageError: the file holds no GarmentImage; the message names the file.
+    """
+    path = Path(path)
+    data = read_file(path)
+    if data.startswith(NPY_MAGIC):
+        image = GarmentImage.from_channels(_channels(data, path, order))
+        return replace(image, name=path.stem)
+    if data.startswith(ZIP_MAGIC):
+        try:
+            return _from_arrays(parse_npz(data, str(path), _ARRAYS), path)
+        except ImageError as error:
+            raise _naming(path, error) from None
+    raise ImageError(f"{path}: not an .npz or .npy file")
+
+
+def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) -> np.ndarray:
+    """Channels [17 L, N, N] in our order from any image file; soft values stay soft.
+
+    Args and errors are those of `load_image`.
+    """
+    path = Path(path)
+    data = read_file(path)
+    if data.startswith(NPY_MAGIC):
+        return _channels(data, path, order)
+    return load_image(path).to_channels()
+
+
+def _channels(data: bytes, path: Path, order: ChannelOrder | str | None) -> np.ndarray:
+    try:
+        array = check_channels(parse_npy(data, str(path)))
+        chosen = order_of(array) if order is None else ChannelOrder(order)
+        if chosen is ChannelOrder.AUTHORS:
+            if len(array) != 34:
+                raise ImageError(f"{len(array)} channels; the authors' layout has 34")
+            return channels_from_authors(array)
+        return array
+    except ValueError as error:
+        raise _naming(path, error) from None
+
+
+def _naming(path: Path, error: Exception) -> ImageError:
+    """The same error, naming the file once."""
+    text = str(error)
+    return ImageError(text if text.startswith(str(path)) else f"{path}: {text}")
+
+
+def _to_arrays(image: GarmentImage) -> dict[str, np.ndarray]:
+    columns, rows = np.array(image.frame.columns), np.array(image.frame.rows)
+    meta = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": image.name,
+        "layer_names": list(image.layer_names),
+        "cell_size_cm": [float(np.median(np.diff(columns))), float(np.median(np.diff(rows)))],
+        "origin_cm": [float(columns[0]), float(rows[0])],
+        "marks": [mark_to_json(mark) for mark in image.marks],
+    }
+    text = json.dumps(meta, allow_nan=False)
+    return {
+        "meta": np.frombuffer(text.encode("ascii"), np.uint8),
+        "inside": np.asarray(image.inside, np.bool_),
+        "edge_type": np.asarray(image.edge_type, np.int8),
+        "deformation": np.asarray(image.deformation, np.float32),
+        "columns": columns,
+        "rows": rows,
+    }
+
+
+def _from_arrays(arrays: dict[str, np.ndarray], path: Path) -> GarmentImage:
+    meta = _meta(arrays["meta"])
+    inside, edge_type, deformation = (arrays[k] for k in ("inside", "edge_type", "deformation"))
+    layers, grid = _size(inside)
+    for name, array, shape, kinds in (
+        ("inside", inside, (layers, grid, grid), "b"),
+        ("edge_type", edge_type, (layers, 2, grid, grid), "iu"),
+        ("deformation", deformation, (layers, 4, 2, grid, grid), "f"),
+        ("columns", arrays["columns"], (grid + 1,), "f"),
+        ("rows", arrays["rows"], (grid + 1,), "f"),
+    ):
+        if array.shape != shape or array.dtype.kind not in kinds:
+            raise ImageError(f"array {name!r} is {array.dtype} {array.shape}, wanted {shape}")
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
+            raise ImageError(f"array {name!r} holds values that are not finite")
+    if edge_type.min() < 0 or edge_type.max() >= len(EdgeType):
+        raise ImageError(f"array 'edge_type' holds values outside 0..{len(EdgeType) - 1}")
+    for name in ("columns", "rows"):
+        if not (np.diff(arrays[name]) > 0).all():
+            raise ImageError(f"the grid lines in {name!r} do not increase")
+    names = meta.get("layer_names")
+    if not isinstance(names, list) or len(names) != layers:
+        raise ImageError(f"'layer_names' must be {layers} names")
+    marks = meta.get("marks", [])
+    if not isinstance(marks, list) or len(marks) > inside.size:
+        raise ImageError("'marks' must be a list, with no more marks than cells")
+    return GarmentImage(
+        inside=inside,
+        edge_type=edge_type.astype(np.int8),
+        deformation=deformation.astype(np.float32),
+        frame=BodyFrame(tuple(map(float, arrays["columns"])), tuple(map(float, arrays["rows"]))),
+        layer_names=tuple(read_text(n) for n in names),
+        marks=tuple(mark_from_json(mark, layers, grid) for mark in marks),
+        name=read_text(meta.get("name", "")) or path.stem,
+    )
+
+
+def _size(inside: np.ndarray) -> tuple[int, int]:
+    shape = inside.shape
+    if len(shape) != 3 or not 0 < shape[0] <= LAYER_LIMIT:
+        raise ImageError(f"array 'inside' has shape {shape}, wanted (layers, N, N)")
+    if not GRID_LIMITS[0] <= shape[1] <= GRID_LIMITS[1]:
+        raise ImageError(f"a grid of {shape[1]} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")
+    return shape[0], shape[1]
+
+
+def _meta(array: np.ndarray) -> dict[str, Any]:
+    if array.dtype != np.uint8 or array.ndim != 1 or array.size > META_LIMIT:
+        raise ImageError("array 'meta' is not a short text")
+    try:
+        meta = json.loads(array.tobytes().decode("utf-8"))
+    except (ValueError, RecursionError):
+        raise ImageError("array 'meta' is not JSON") from None
+    if not isinstance(meta, dict) or meta.get("format") != FORMAT:
+        raise ImageError(f"array 'meta' does not say format {FORMAT!r}")
+    version = meta.get("version")
+    if not isinstance(version, int) or version < 1:
+        raise ImageError(f"version {str(version)[:20]!r} is not a number from 1 up")
+    if version > VERSION:
+        raise ImageError(
+            f"written by a newer garmentimage (format {version}, this one reads up to {VERSION}); "
+            "update the package"
+        )
+    return meta

@@ -1,0 +1,105 @@
+"""Panel marks as JSON objects, each field checked as it is read."""
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+
+from garmentimage.errors import ImageError
+from garmentimage.raster.image import PanelMark
+
+NAME_LIMIT = 1000
+"""Longest name of a layer or panel."""
+
+
+def mark_to_json(mark: PanelMark) -> dict[str, Any]:
+    """The mark as plain JSON values."""
+    return asdict(mark)
+
+
+def read_text(value: Any) -> str:
+    """`value`, if it is a text of sensible length; else an ImageError."""
+    if not isinstance(value, str) or len(value) > NAME_LIMIT:
+        raise ImageError(f"a name is not a text of at most {NAME_LIMIT} characters")
+    return value
+
+
+def _numbers(count: int) -> Callable[[Any], tuple[float, ...]]:
+    def read(value: Any) -> tuple[float, ...]:
+        if not isinstance(value, list) or len(value) != count:
+            raise ImageError(f"wanted {count} numbers, found {str(value)[:40]!r}")
+        for v in value:
+            if isinstance(v, bool) or not isinstance(v, int | float) or not math.isfinite(v):
+                raise ImageError(f"wanted {count} numbers, found {str(v)[:40]!r} among them")
+        return tuple(map(float, value))
+
+    return read
+
+
+def _optional(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    return lambda value: None if value is None else read(value)
+
+
+def _whole(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise ImageError(f"wanted a whole number from 0 up, found {str(value)[:40]!r}")
+    return value
+
+
+def _cell(value: Any) -> tuple[int, ...]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ImageError("a cell is a row and a column")
+    return tuple(_whole(v) for v in value)
+
+
+def _matrix(value: Any) -> tuple[tuple[float, ...], ...]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ImageError("a matrix is two rows of two numbers")
+    rows = tuple(_numbers(2)(row) for row in value)
+    if not np.allclose(np.array(rows) @ np.array(rows).T, np.eye(2), atol=1e-6):
+        raise ImageError(f"the matrix {rows} is not orthogonal")
+    return rows
+
+
+_MARK_FIELDS: dict[str, Callable[[Any], Any]] = {
+    "name": read_text,
+    "layer": _whole,
+    "cell": _cell,
+    "matrix": _matrix,
+    "anchor": _numbers(2),
+    "rotation": _optional(_numbers(3)),
+    "translation": _optional(_numbers(3)),
+    "split_of": _optional(read_text),
+    "label": _optional(read_text),
+    "grain": _optional(_numbers(2)),
+}
+
+
+def mark_from_json(value: Any, layers: int, grid: int) -> PanelMark:
+    """A mark from its JSON object; fields that a later release may add are left out.
+
+    Args:
+        value: what the JSON text held.
+        layers: number of layers of the image.
+        grid: cells along each side.
+
+    Raises:
+        ImageError: a field is missing or is not what it should be.
+    """
+    if not isinstance(value, dict) or not {"name", "layer", "cell"} <= set(value):
+        raise ImageError("a mark needs a name, a layer and a cell")
+    known = {}
+    for field in fields(PanelMark):
+        if field.name in value:
+            try:
+                known[field.name] = _MARK_FIELDS[field.name](value[field.name])
+            except ImageError as error:
+                raise ImageError(
+                    f"mark {str(value['name'])[:40]!r}, {field.name}: {error}"
+                ) from None
+    mark = PanelMark(**known)
+    if mark.layer >= layers or max(mark.cell) >= grid:
+        raise ImageError(f"mark {mark.name[:40]!r} lies outside the grid")
+    return mark

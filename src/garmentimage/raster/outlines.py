@@ -1,0 +1,236 @@
+"""Boundaries of decoded panels: half-edges with their stitch partners, split panels joined, seams.
+
+Every half-edge of the image is numbered through. Loops are walked with the cloth on the left *as
+seen from outside the body*: front layers as the raster shows them, back layers, which the raster
+shows through the body, the other way round. Walked so, two sewn sides always run against each
+other, whatever their layers: the start of one meets the end of the other.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from garmentimage.raster.cells import NEIGHBOURS, CellMesh, half_edges
+from garmentimage.raster.image import EdgeType, GarmentImage
+
+NONE = -1
+"""No partner; or, in `following`, a half-edge that is no longer on any boundary."""
+
+OPEN_SLIT = np.deg2rad(0.05)
+"""Legs that open by less than this angle at their tip lie on each other."""
+
+JOIN_LIMIT_CM = 15.0
+"""Sides farther apart than this, each in its place in the whole panel, are not its cut."""
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """The cells of one panel on one layer, and their mesh after deforming."""
+
+    layer: int
+    mesh: CellMesh
+    vertices: Float[np.ndarray, "vertex 2"]
+    """Positions [cm]."""
+
+    @property
+    def outward(self) -> int:
+        """+1 where the raster shows the cloth from outside the body, -1 where through the body."""
+        return 1 if self.layer % 2 == 0 else -1
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """The half-edges of all panels."""
+
+    cluster: Int[np.ndarray, " half"]
+    tail: Float[np.ndarray, "half 2"]
+    head: Float[np.ndarray, "half 2"]
+    """Start and end [cm]."""
+    partner: Int[np.ndarray, " half"]
+    """The half-edge that it is sewn to, or `NONE`."""
+    following: Int[np.ndarray, " half"]
+    preceding: Int[np.ndarray, " half"]
+
+    @property
+    def loops(self) -> list[list[int]]:
+        """Closed chains, each from its smallest half-edge on."""
+        following = self.following.tolist()
+        seen = [k == NONE for k in following]
+        loops = []
+        for first in range(len(following)):
+            if seen[first]:
+                continue
+            chain, k = [], first
+            while not seen[k]:
+                seen[k] = True
+                chain.append(k)
+                k = following[k]
+            loops.append(chain)
+        return loops
+
+    @property
+    def seam_starts(self) -> Bool[np.ndarray, " half"]:
+        """Where a run of half-edges with one fate begins: a seam, the leg of a dart, a free edge."""
+        before = self.preceding
+        mine, theirs = self.partner, self.partner[before]
+        free = (mine == NONE) & (theirs == NONE)
+        tip = theirs == np.arange(len(mine))
+        sewn_on = (mine != NONE) & (theirs != NONE) & ~tip & (mine == before[theirs])
+        return (self.following != NONE) & ~free & ~sewn_on
+
+
+def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary:
+    """The half-edges of `clusters` and who is sewn to whom (paper, Section 3.3).
+
+    `SIDE_BY_SIDE` joins a half-edge to the opposite one of the neighbouring cell, `FRONT_TO_BACK`
+    to the same side of the same cell on the other layer of its pair. A half-edge whose partner is
+    missing stays free.
+    """
+    grid = image.grid
+    number = np.full((image.layers, grid + 2, grid + 2, 4), NONE)
+    owner, layers, rows, cols, sides, kinds = [], [], [], [], [], []
+    tails, heads, following = [], [], []
+    count = 0
+    for index, cluster in enumerate(clusters):
+        half = half_edges(cluster.mesh, image.edge_type[cluster.layer])
+        cells = cluster.mesh.cells[half.cell]
+        size = len(cells)
+        owner.append(np.full(size, index))
+        layers.append(np.full(size, cluster.layer))
+        rows.append(cells[:, 0])
+        cols.append(cells[:, 1])
+        sides.append(half.side)
+        kinds.append(half.edge_type)
+        start, end = cluster.vertices[half.start], cluster.vertices[half.end]
+        onward = half.following
+        if cluster.outward < 0:
+            start, end = end, start
+            onward = np.empty(size, np.int64)
+            onward[half.following] = np.arange(size)
+        tails.append(start)
+        heads.append(end)
+        following.append(onward + count)
+        count += size
+    layer, row, col, side = (np.concatenate(x) for x in (layers, rows, cols, sides))
+    kind = np.concatenate(kinds)
+    number[layer, row + 1, col + 1, side] = np.arange(count)
+    step = np.array(NEIGHBOURS)[side]
+    beside = number[layer, row + 1 + step[:, 0], col + 1 + step[:, 1], (side + 2) % 4]
+    other = layer ^ 1
+    opposite = np.where(
+        other < image.layers, number[np.minimum(other, image.layers - 1), row + 1, col + 1, side], NONE
+    )
+    opposite[kind[opposite] != EdgeType.FRONT_TO_BACK] = NONE
+    partner = np.full(count, NONE)
+    partner = np.where(kind == EdgeType.SIDE_BY_SIDE, beside, partner)
+    partner = np.where(kind == EdgeType.FRONT_TO_BACK, opposite, partner)
+    onward = np.concatenate(following)
+    preceding = np.empty(count, np.int64)
+    preceding[onward] = np.arange(count)
+    return Boundary(
+        np.concatenate(owner), np.concatenate(tails), np.concatenate(heads), partner, onward, preceding
+    )
+
+
+def close_slits(boundary: Boundary, clusters: Sequence[Cluster], chosen: set[int]) -> Boundary:
+    """Sew up the slits of the `chosen` clusters from the tip as far as their legs overlap."""
+    following, preceding = boundary.following.copy(), boundary.preceding.copy()
+    tail, head = boundary.tail.copy(), boundary.head.copy()
+    tips = np.flatnonzero((boundary.partner != NONE) & (boundary.partner == boundary.following))
+    for k in tips.tolist():
+        index = int(boundary.cluster[k])
+        while index in chosen and following[k] != NONE and boundary.partner[k] == following[k]:
+            leg = int(following[k])
+            into, out = head[k] - tail[k], head[leg] - tail[leg]
+            # At the tip of an open slit the boundary turns back on the side away from the cloth.
+            turn = np.arctan2(out[0] * into[1] - out[1] * into[0], -(into @ out))
+            if turn * clusters[index].outward > OPEN_SLIT or preceding[k] == leg:
+                break
+            before, after = int(preceding[k]), int(following[leg])
+            following[before], preceding[after] = after, before
+            following[[k, leg]] = preceding[[k, leg]] = NONE
+            head[before] = tail[after] = (head[before] + tail[after]) / 2
+            k = before
+    return replace(boundary, tail=tail, head=head, following=following, preceding=preceding)
+
+
+def join_parts(
+    boundary: Boundary, part_of: Sequence[str | None]
+) -> tuple[Boundary, Int[np.ndarray, " cluster"]]:
+    """Join the parts of split panels along the seam between them.
+
+    Points of parts must already lie in the whole panel's frame. Of the seams between two parts the
+    cut is the one whose sides lie nearest to each other; the second part is moved onto it rigidly.
+
+    Args:
+        boundary: as traced.
+        part_of: for each cluster the name of the panel that it is a part of, or None.
+
+    Returns:
+        The boundary without the cuts, and for each cluster the cluster that it was joined to
+        (itself where none).
+    """
+    whole = np.arange(len(part_of))
+    names = sorted({n for n in part_of if n is not None})
+    for name in names:
+        members = [k for k, n in enumerate(part_of) if n == name]
+        for second in members[1:]:
+            cut = _nearest_seam(boundary, members[0], second, whole)
+            if cut:
+                boundary = _join(boundary, cut, second)
+                whole[second] = members[0]
+    return boundary, whole
+
+
+def _nearest_seam(boundary: Boundary, first: int, second: int, whole: np.ndarray) -> list[int]:
+    """Half-edges on the side of `first` of the likeliest cut between two parts, in order."""
+    owner = whole[boundary.cluster]
+    starts = boundary.seam_starts
+    best: tuple[float, list[int]] = (JOIN_LIMIT_CM, [])
+    facing = (owner == first) & (boundary.partner != NONE) & (boundary.following != NONE)
+    facing[facing] = boundary.cluster[boundary.partner[facing]] == second
+    for k in np.flatnonzero(facing & starts).tolist():
+        run = [k]
+        while facing[n := int(boundary.following[run[-1]])] and not starts[n]:
+            run.append(n)
+        other = boundary.partner[run]
+        gap = np.hypot(*(boundary.tail[run] - boundary.head[other]).T)
+        gap = np.concatenate([gap, [np.hypot(*(boundary.head[run[-1]] - boundary.tail[other[-1]]))]])
+        best = min(best, (float(gap.mean()), run))
+    return best[1]
+
+
+def _join(boundary: Boundary, cut: list[int], second: int) -> Boundary:
+    """Move the second part onto the first along `cut` and leave the cut out of both loops."""
+    other = boundary.partner[cut]
+    here = np.concatenate([boundary.tail[cut], boundary.head[cut[-1:]]])
+    there = np.concatenate([boundary.head[other], boundary.tail[other[-1:]]])
+    rotation, shift = _rigid(there, here)
+    tail, head = boundary.tail.copy(), boundary.head.copy()
+    moved = boundary.cluster == second
+    tail[moved] = tail[moved] @ rotation.T + shift
+    head[moved] = head[moved] @ rotation.T + shift
+    following, preceding = boundary.following.copy(), boundary.preceding.copy()
+    ends = (
+        (int(preceding[cut[0]]), int(following[other[0]])),
+        (int(preceding[other[-1]]), int(following[cut[-1]])),
+    )
+    removed = np.concatenate([cut, other])
+    if np.isin(np.array(ends), removed).any():
+        return boundary
+    for before, after in ends:
+        following[before], preceding[after] = after, before
+        head[before] = tail[after] = (head[before] + tail[after]) / 2
+    following[removed] = preceding[removed] = NONE
+    return replace(boundary, tail=tail, head=head, following=following, preceding=preceding)
+
+
+def _rigid(source: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotation and shift that bring `source` nearest to `target` (least squares)."""
+    a, b = source.mean(axis=0), target.mean(axis=0)
+    p, q = source - a, target - b
+    angle = np.arctan2((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum(), (p * q).sum())
+    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return rotation, b - rotation @ a

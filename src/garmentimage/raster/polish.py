@@ -1,0 +1,409 @@
+"""Polishing: the coarse drawing settles where its energy is least, whatever way it came there.
+
+Two moves, both keeping the drawing what it is: an arc is taken out and drawn again by the
+cheapest free path; a node steps to a neighbouring lattice point and its arcs are drawn again.
+A move counts only if paths stay vertex-disjoint and the cyclic order of arcs round every node
+touched stays the same, which for connected drawings means the same faces.
+"""
+
+import numpy as np
+from numba import njit
+
+from garmentimage.raster.drawing import Drawing, Path
+from garmentimage.raster.route import FAR, _sift_down, _sift_up, distance_field
+
+NODE_PULL = 4.0
+"""Energy of a node, per squared distance from its target [cells²]."""
+STEP_COST = 0.05
+"""Energy of one grid edge: between equals the shorter path wins."""
+SHAPE_PULL = 0.8
+"""Energy of missing grid edges, per missing edge squared."""
+REACH = 3.0
+"""How far a path may leave its target [cells], unless it already has."""
+SWEEPS = 12
+GAIN = 1e-6
+MOST_STATES = 6
+"""Path lengths that are told apart: 0 .. MOST_STATES - 1 grid edges or more."""
+
+
+def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Path]:
+    """Move paths and nodes of a valid coarse drawing to where its energy is least.
+
+    Args:
+        drawing: the graph and its wishes.
+        paths: vertex-disjoint lattice paths between `low` and `high`.
+        low: smallest lattice coordinate allowed, both axes.
+        high: largest lattice coordinate allowed, both axes.
+    """
+    room = 8 * (drawing.grid + 1)
+    table = np.zeros((len(paths), room), np.int64)
+    lens = np.array([len(p) for p in paths])
+    if lens.max() > room:
+        return paths
+    width = drawing.grid + 1
+    for i, path in enumerate(paths):
+        table[i, : len(path)] = path[:, 1] * width + path[:, 0]
+    targets = np.concatenate(drawing.curves)
+    starts = np.concatenate([[0], np.cumsum([len(c) for c in drawing.curves])])
+    axis = -1 if drawing.axis is None else drawing.axis
+    _polish(
+        table, lens, drawing.tail, drawing.head, drawing.layers, drawing.on_axis,
+        drawing.node_target, drawing.node_layers, drawing.node_on_axis, targets, starts,
+        drawing.least, drawing.wish, width, low, high, axis,
+    )  # fmt: skip
+    return [
+        np.stack([table[i, :n] % width, table[i, :n] // width], axis=1)
+        for i, n in enumerate(lens)
+    ]
+
+
+@njit(cache=True)
+def _step(vertex, direction, width):  # type: ignore[no-untyped-def]
+    if direction == 0:
+        return vertex + 1
+    if direction == 1:
+        return vertex + width
+    if direction == 2:
+        return vertex - 1
+    return vertex - width
+
+
+@njit(cache=True)
+def _direction(a, b, width):  # type: ignore[no-untyped-def]
+    d = b - a
+    if d == 1:
+        return 0
+    if d == width:
+        return 1
+    if d == -1:
+        return 2
+    return 3
+
+
+@njit(cache=True)
+def _energy(table, n, field, wish):  # type: ignore[no-untyped-def]
+    total = STEP_COST * (n - 1)
+    for k in range(1, n - 1):
+        total += field[table[k]]
+    missing = wish - (n - 1)
+    if missing > 0:
+        total += SHAPE_PULL * missing * missing
+    return total
+
+
+@njit(cache=True)
+def _allowed(vertex, width, low, high, axis, on_axis):  # type: ignore[no-untyped-def]
+    x, y = vertex % width, vertex // width
+    if x < low or x > high or y < low or y > high:
+        return False
+    if axis < 0:
+        return True
+    return x == axis if on_axis else x > axis
+
+
+@njit(cache=True)
+def _draw(  # type: ignore[no-untyped-def]
+    start, goal, mask, on_axis, field, wish, least, busy, width, low, high, axis, limit, work, out
+):  # fmt: skip
+    """Cheapest free path from start to goal below `limit`; number of vertices, or 0.
+
+    A state is a vertex and the path's length so far, so that a path may be long on purpose.
+    """
+    cost, previous, keys, items = work
+    cost[:] = FAR
+    size = 1
+    keys[0], items[0] = 0.0, start * MOST_STATES
+    cost[items[0]] = 0.0
+    previous[items[0]] = -1
+    best, best_state = limit, -1
+    cap = MOST_STATES - 1
+    while size > 0:
+        key, state = keys[0], items[0]
+        size -= 1
+        keys[0], items[0] = keys[size], items[size]
+        _sift_down(keys, items, size)
+        if key > cost[state] or key >= best:
+            if key >= best:
+                break
+            continue
+        vertex, length = state // MOST_STATES, state % MOST_STATES
+        for direction in range(4):
+            other = _step(vertex, direction, width)
+            longer = min(length + 1, cap)
+            if other == goal:
+                if longer < least and longer < cap:
+                    continue
+                missing = wish - longer
+                total = key + STEP_COST + (SHAPE_PULL * missing * missing if missing > 0 else 0.0)
+                if total < best - GAIN:
+                    best = total
+                    best_state = state
+                continue
+            if not _allowed(other, width, low, high, axis, on_axis) or field[other] >= FAR:
+                continue
+            if (mask & 1 and busy[0, other]) or (mask & 2 and busy[1, other]) or other == start:
+                continue
+            total = key + STEP_COST + field[other]
+            index = other * MOST_STATES + longer
+            if total < cost[index] - 1e-12 and size < len(keys):
+                cost[index] = total
+                previous[index] = state
+                keys[size], items[size] = total, index
+                _sift_up(keys, items, size)
+                size += 1
+    if best_state < 0:
+        return 0, limit
+    count, state = 1, best_state
+    out[0] = goal
+    while state >= 0:
+        out[count] = state // MOST_STATES
+        count += 1
+        state = previous[state]
+        if count >= len(out):
+            return 0, limit
+    for k in range(count // 2):
+        out[k], out[count - 1 - k] = out[count - 1 - k], out[k]
+    for k in range(count):
+        for j in range(k):
+            if out[j] == out[k]:
+                return 0, limit
+    return count, best
+
+
+@njit(cache=True)
+def _mark(table, n, mask, busy, value):  # type: ignore[no-untyped-def]
+    for k in range(1, n - 1):
+        if mask & 1:
+            busy[0, table[k]] = value
+        if mask & 2:
+            busy[1, table[k]] = value
+
+
+@njit(cache=True)
+def _rotation(node, at, star, star_n, table, lens, tail, mask, width, out):  # type: ignore[no-untyped-def]
+    """Arc ends round a node by direction: out[layer, direction] = arc * 2 + end, or -1."""
+    out[:] = -1
+    for q in range(star_n[node]):
+        arc = star[node, q]
+        first = tail[arc] == node
+        other = table[arc, 1] if first else table[arc, lens[arc] - 2]
+        d = _direction(at, other, width)
+        for layer in range(2):
+            if mask[arc] >> layer & 1:
+                out[layer, d] = arc * 2 + (0 if first else 1)
+
+
+@njit(cache=True)
+def _same_cycle(a, b):  # type: ignore[no-untyped-def]
+    for layer in range(2):
+        n = 0
+        first = np.empty(4, np.int64)
+        second = np.empty(4, np.int64)
+        m = 0
+        for d in range(4):
+            if a[layer, d] >= 0:
+                first[n] = a[layer, d]
+                n += 1
+            if b[layer, d] >= 0:
+                second[m] = b[layer, d]
+                m += 1
+        if n != m:
+            return False
+        if n == 0:
+            continue
+        shift = -1
+        for k in range(n):
+            if second[k] == first[0]:
+                shift = k
+        if shift < 0:
+            return False
+        for k in range(n):
+            if second[(shift + k) % n] != first[k]:
+                return False
+    return True
+
+
+@njit(cache=True)
+def _polish(  # type: ignore[no-untyped-def]
+    table, lens, tail, head, mask, arc_on_axis, node_target, node_layers, node_on_axis, targets,
+    starts, least, wish, width, low, high, axis,
+):  # fmt: skip
+    arcs, nodes, size = len(lens), len(node_target), width * width
+    fields = np.empty((arcs, size))
+    grid = np.empty((width, width))
+    for i in range(arcs):
+        distance_field(targets[starts[i] : starts[i + 1]], 3.0 * width, grid)
+        worst = REACH * REACH
+        flat = grid.reshape(size)
+        for k in range(lens[i]):
+            worst = max(worst, flat[table[i, k]] + 1e-9)
+        for v in range(size):
+            fields[i, v] = flat[v] if flat[v] <= worst else FAR
+    busy = np.zeros((2, size), np.bool_)
+    where = np.full(nodes, -1, np.int64)
+    degree = np.zeros(nodes, np.int64)
+    for i in range(arcs):
+        where[tail[i]], where[head[i]] = table[i, 0], table[i, lens[i] - 1]
+        degree[tail[i]] += 1
+        degree[head[i]] += 1
+        _mark(table[i], lens[i], mask[i], busy, True)
+    star = np.zeros((nodes, max(degree.max(), 1)), np.int64)
+    star_n = np.zeros(nodes, np.int64)
+    for i in range(arcs):
+        for n in (tail[i], head[i]):
+            star[n, star_n[n]] = i
+            star_n[n] += 1
+    for n in range(nodes):
+        if where[n] >= 0:
+            for layer in range(2):
+                if node_layers[n] >> layer & 1:
+                    busy[layer, where[n]] = True
+    energy = np.empty(arcs)
+    for i in range(arcs):
+        energy[i] = _energy(table[i], lens[i], fields[i], wish[i])
+    work = (
+        np.empty(size * MOST_STATES),
+        np.empty(size * MOST_STATES, np.int64),
+        np.empty(4 * size * MOST_STATES),
+        np.empty(4 * size * MOST_STATES, np.int64),
+    )
+    room = table.shape[1]
+    out = np.empty(room, np.int64)
+    old = np.empty((star.shape[1], room), np.int64)
+    old_n = np.empty(star.shape[1], np.int64)
+    before = np.empty((2, 4), np.int64)
+    after = np.empty((2, 4), np.int64)
+    far_before = np.empty((star.shape[1], 2, 4), np.int64)
+    for sweep in range(SWEEPS):
+        moved = False
+        for i in range(arcs):
+            _mark(table[i], lens[i], mask[i], busy, False)
+            count, value = _draw(
+                table[i, 0], table[i, lens[i] - 1], mask[i], arc_on_axis[i], fields[i], wish[i],
+                least[i], busy, width, low, high, axis, energy[i] - GAIN, work, out,
+            )  # fmt: skip
+            if count:
+                old[0, : lens[i]] = table[i, : lens[i]]
+                keep_n = lens[i]
+                good = True
+                for n in (tail[i], head[i]):
+                    _rotation(n, where[n], star, star_n, table, lens, tail, mask, width, before)
+                    for k in range(count):
+                        table[i, k] = out[k]
+                    lens[i] = count
+                    _rotation(n, where[n], star, star_n, table, lens, tail, mask, width, after)
+                    good = good and _same_cycle(before, after)
+                    for k in range(keep_n):
+                        table[i, k] = old[0, k]
+                    lens[i] = keep_n
+                if good:
+                    for k in range(count):
+                        table[i, k] = out[k]
+                    lens[i] = count
+                    energy[i] = _energy(table[i], lens[i], fields[i], wish[i])
+                    moved = True
+            _mark(table[i], lens[i], mask[i], busy, True)
+        for n in range(nodes):
+            if where[n] < 0:
+                continue
+            for direction in range(4):
+                goal = _step(where[n], direction, width)
+                if not _allowed(goal, width, low, high, axis, node_on_axis[n]):
+                    continue
+                gx, gy = goal % width, goal // width
+                hx, hy = where[n] % width, where[n] // width
+                tx, ty = node_target[n, 0], node_target[n, 1]
+                delta = NODE_PULL * (
+                    (gx - tx) ** 2 + (gy - ty) ** 2 - (hx - tx) ** 2 - (hy - ty) ** 2
+                )
+                total = 0.0
+                for q in range(star_n[n]):
+                    total += energy[star[n, q]]
+                if delta >= total:
+                    continue
+                # Take the star out.
+                here = where[n]
+                _rotation(n, here, star, star_n, table, lens, tail, mask, width, before)
+                for q in range(star_n[n]):
+                    i = star[n, q]
+                    far = head[i] if tail[i] == n else tail[i]
+                    _rotation(
+                        far, where[far], star, star_n, table, lens, tail, mask, width, far_before[q]
+                    )
+                for q in range(star_n[n]):
+                    i = star[n, q]
+                    old_n[q] = lens[i]
+                    old[q, : lens[i]] = table[i, : lens[i]]
+                    _mark(table[i], lens[i], mask[i], busy, False)
+                for layer in range(2):
+                    if node_layers[n] >> layer & 1:
+                        busy[layer, here] = False
+                free = not (
+                    (node_layers[n] & 1 and busy[0, goal]) or (node_layers[n] & 2 and busy[1, goal])
+                )
+                good, spent = free, delta
+                if free:
+                    for layer in range(2):
+                        if node_layers[n] >> layer & 1:
+                            busy[layer, goal] = True
+                    where[n] = goal
+                done = 0
+                if free:
+                    for q in range(star_n[n]):
+                        i = star[n, q]
+                        a, b = where[tail[i]], where[head[i]]
+                        count, value = _draw(
+                            a, b, mask[i], arc_on_axis[i], fields[i], wish[i], least[i], busy,
+                            width, low, high, axis, total - spent, work, out,
+                        )  # fmt: skip
+                        if count == 0:
+                            good = False
+                            break
+                        for k in range(count):
+                            table[i, k] = out[k]
+                        lens[i] = count
+                        _mark(table[i], lens[i], mask[i], busy, True)
+                        done = q + 1
+                        spent += _energy(table[i], lens[i], fields[i], wish[i])
+                        if spent >= total - GAIN:
+                            good = False
+                            break
+                if good:
+                    _rotation(n, goal, star, star_n, table, lens, tail, mask, width, after)
+                    good = _same_cycle(before, after)
+                    for q in range(star_n[n]):
+                        if not good:
+                            break
+                        i = star[n, q]
+                        far = head[i] if tail[i] == n else tail[i]
+                        _rotation(
+                            far, where[far], star, star_n, table, lens, tail, mask, width, after
+                        )
+                        good = _same_cycle(far_before[q], after)
+                if good:
+                    for q in range(star_n[n]):
+                        i = star[n, q]
+                        energy[i] = _energy(table[i], lens[i], fields[i], wish[i])
+                    moved = True
+                    continue
+                # Put everything back.
+                for q in range(done):
+                    i = star[n, q]
+                    _mark(table[i], lens[i], mask[i], busy, False)
+                if free:
+                    for layer in range(2):
+                        if node_layers[n] >> layer & 1:
+                            busy[layer, goal] = False
+                where[n] = here
+                for layer in range(2):
+                    if node_layers[n] >> layer & 1:
+                        busy[layer, here] = True
+                for q in range(star_n[n]):
+                    i = star[n, q]
+                    table[i, : old_n[q]] = old[q, : old_n[q]]
+                    lens[i] = old_n[q]
+                for q in range(star_n[n]):
+                    i = star[n, q]
+                    _mark(table[i], lens[i], mask[i], busy, True)
+        if not moved:
+            break

@@ -1,0 +1,261 @@
+"""Polylines from the grid refitted to the lines and smooth curves that a pattern is drawn with.
+
+A **run** is a stretch of boundary between two seam ends. It is cut at true corners, and each part
+becomes one line, quadratic or cubic curve where that follows the run within a tolerance; else it
+is cut again where it turns most. Both sides of a seam are cut at the same grid points, so every
+edge keeps one partner. Where no curve will do, the polyline's own chords stay.
+
+The encoder lays grid points at even shares of an edge's length. So a curve is fitted such that
+each grid point lies at its share of the *curve's* length, which gives the edge back almost exactly
+even from two or three chords, and with it the seam's length.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numba import njit
+
+from garmentimage.geometry.curves import Bezier, Curve, Line
+
+LINE_TOL_CM = 0.1
+LINE_TOL_SHARE = 0.003
+"""A run this near its chord [cm, or share of its length] is straight."""
+
+CURVE_TOL_CM = 0.25
+CURVE_TOL_SHARE = 0.006
+"""A curve may miss the points of its run by this much [cm, or share of its length]."""
+
+QUADRATIC_TOL_CM = 0.05
+QUADRATIC_TOL_SHARE = 0.0015
+"""A quadratic curve this near is taken before a cubic is tried."""
+
+CORNER = np.deg2rad(50.0)
+"""A turn between two chords that is a corner wherever it stands."""
+
+SHARP_TURN = np.deg2rad(12.0)
+SHARP_FACTOR = 3.0
+"""A turn beyond the first is a corner too if it is this many times the turns beside it."""
+
+STRETCH_LIMIT = 1.2
+"""A fitted curve longer than this many times its polyline has swung out: it is refused."""
+
+_FIT_ROUNDS = 5
+_TABLE = 48
+
+
+@dataclass(frozen=True)
+class Part:
+    """Points `first` to `last` of a run as one curve, on one or on both sides of a seam."""
+
+    first: int
+    last: int
+    curves: tuple[Curve, ...]
+
+
+def cut_run(sides: tuple[Float[np.ndarray, "n 2"], ...], *, chords: bool = False) -> list[Part]:
+    """Cut a run into parts that are one curve each.
+
+    Args:
+        sides: the run's points [cm] on one side, or on both sides of a seam in the same order.
+        chords: keep every chord as a straight edge.
+    """
+    count = len(sides[0])
+    if chords or count == 2:
+        return [_chord(sides, k) for k in range(count - 1)]
+    turns = np.max([_turns(s) for s in sides], axis=0)
+    corners = np.any([_corners(s) for s in sides], axis=0)
+    cuts = [0, *(np.flatnonzero(corners) + 1).tolist(), count - 1]
+    parts: list[Part] = []
+    for first, last in zip(cuts[:-1], cuts[1:], strict=True):
+        parts.extend(_fit_parts(sides, first, last, turns))
+    return parts
+
+
+def fit_curve(points: Float[np.ndarray, "n 2"]) -> Curve | None:
+    """The line, quadratic or cubic curve through the ends of `points` that follows the rest.
+
+    Returns:
+        None where no single curve stays within the tolerance.
+    """
+    kind, controls = _fit(np.ascontiguousarray(points))
+    start, end = _point(points[0]), _point(points[-1])
+    if kind < 0:
+        return None
+    if kind == 0:
+        return Line(start, end)
+    return Bezier(start, tuple(_point(c) for c in controls[:kind]), end)
+
+
+def _fit_parts(
+    sides: tuple[np.ndarray, ...], first: int, last: int, turns: np.ndarray
+) -> list[Part]:
+    if last == first + 1:
+        return [_chord(sides, first)]
+    curves: list[Curve] = []
+    for side in sides:
+        curve = fit_curve(side[first : last + 1])
+        if curve is None:
+            cut = first + 1 + int(np.argmax(turns[first : last - 1]))
+            return _fit_parts(sides, first, cut, turns) + _fit_parts(sides, cut, last, turns)
+        curves.append(curve)
+    return [Part(first, last, tuple(curves))]
+
+
+def _chord(sides: tuple[np.ndarray, ...], k: int) -> Part:
+    return Part(k, k + 1, tuple(Line(_point(s[k]), _point(s[k + 1])) for s in sides))
+
+
+def _point(xy: np.ndarray) -> tuple[float, float]:
+    return float(xy[0]), float(xy[1])
+
+
+def _turns(points: np.ndarray) -> Float[np.ndarray, " inner"]:
+    """How far the polyline turns at each inner point [radians], unsigned."""
+    d = np.diff(points, axis=0)
+    cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
+    return np.abs(np.arctan2(cross, (d[:-1] * d[1:]).sum(axis=1)))
+
+
+def _corners(points: np.ndarray) -> Bool[np.ndarray, " inner"]:
+    """Which inner points of a run are true corners."""
+    turns = _turns(points)
+    padded = np.concatenate([[0.0], turns, [0.0]])
+    beside = np.maximum(padded[:-2], padded[2:])
+    sharp = (turns > SHARP_TURN) & (turns > SHARP_FACTOR * beside) & (len(turns) > 1)
+    return (turns > CORNER) | sharp
+
+
+@njit(cache=True)
+def _fit(points):  # type: ignore[no-untyped-def]
+    """Number of control points (-1: no curve will do) and the control points."""
+    controls = np.zeros((2, 2))
+    shares, length = _shares(points)
+    if length <= 0.0:
+        return -1, controls
+    if _line_error(points) <= max(LINE_TOL_CM, LINE_TOL_SHARE * length):
+        return 0, controls
+    error = _fit_bezier(points, shares, length, 1, controls)
+    if error <= max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length):
+        return 1, controls
+    tolerance = max(CURVE_TOL_CM, CURVE_TOL_SHARE * length)
+    cubic = np.zeros((2, 2))
+    if len(points) > 3 and _fit_bezier(points, shares, length, 2, cubic) <= tolerance:
+        return 2, cubic
+    if error <= tolerance:
+        return 1, controls
+    return -1, controls
+
+
+@njit(cache=True)
+def _shares(points):  # type: ignore[no-untyped-def]
+    """Share of the length at each point, and the length; chords bowed by the turns beside them."""
+    count = len(points)
+    angle = np.zeros(count)
+    for k in range(1, count - 1):
+        ax, ay = points[k, 0] - points[k - 1, 0], points[k, 1] - points[k - 1, 1]
+        bx, by = points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1]
+        angle[k] = np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
+    if count > 2:
+        angle[0], angle[-1] = angle[1], angle[-2]
+    shares = np.zeros(count)
+    for k in range(1, count):
+        chord = np.hypot(points[k, 0] - points[k - 1, 0], points[k, 1] - points[k - 1, 1])
+        bend = min(abs(angle[k - 1] + angle[k]) / 2, 1.5)
+        # An arc that turns by b is b²/24 longer than its chord.
+        shares[k] = shares[k - 1] + chord * (1 + bend * bend / 24)
+    length = shares[-1]
+    if length > 0:
+        shares /= length
+    return shares, length
+
+
+@njit(cache=True)
+def _line_error(points):  # type: ignore[no-untyped-def]
+    """Largest distance of a point from the chord; infinite where the run walks backwards."""
+    dx, dy = points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1]
+    chord = np.hypot(dx, dy)
+    if chord <= 0.0:
+        return np.inf
+    worst, behind = 0.0, 0.0
+    for k in range(1, len(points)):
+        px, py = points[k, 0] - points[0, 0], points[k, 1] - points[0, 1]
+        along = (px * dx + py * dy) / chord
+        if along <= behind:
+            return np.inf
+        behind = along
+        worst = max(worst, abs(px * dy - py * dx) / chord)
+    return worst
+
+
+@njit(cache=True)
+def _fit_bezier(points, shares, length, order, controls):  # type: ignore[no-untyped-def]
+    """Fit `order` control points by least squares; returns the largest miss [cm]."""
+    count = len(points)
+    t = shares.copy()
+    table = np.zeros(_TABLE + 1)
+    error = np.inf
+    for _ in range(_FIT_ROUNDS):
+        if not _solve_controls(points, t, order, controls):
+            return np.inf
+        x, y = points[0, 0], points[0, 1]
+        for k in range(1, _TABLE + 1):
+            px, py = _bezier(points, controls, order, k / _TABLE)
+            table[k] = table[k - 1] + np.hypot(px - x, py - y)
+            x, y = px, py
+        if not table[-1] <= STRETCH_LIMIT * length:
+            return np.inf
+        error = 0.0
+        k = 0
+        for j in range(1, count - 1):
+            target = shares[j] * table[-1]
+            while table[k + 1] < target:
+                k += 1
+            t[j] = (k + (target - table[k]) / (table[k + 1] - table[k])) / _TABLE
+            px, py = _bezier(points, controls, order, t[j])
+            error = max(error, np.hypot(px - points[j, 0], py - points[j, 1]))
+    return error
+
+
+@njit(cache=True)
+def _bezier(points, controls, order, t):  # type: ignore[no-untyped-def]
+    u = 1 - t
+    if order == 1:
+        a, b, c, d = u * u, 2 * u * t, 0.0, t * t
+    else:
+        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+    x = a * points[0, 0] + b * controls[0, 0] + c * controls[1, 0] + d * points[-1, 0]
+    y = a * points[0, 1] + b * controls[0, 1] + c * controls[1, 1] + d * points[-1, 1]
+    return x, y
+
+
+@njit(cache=True)
+def _solve_controls(points, t, order, controls):  # type: ignore[no-untyped-def]
+    """Control points that bring the curve nearest to the points at parameters `t`."""
+    m00, m01, m11 = 0.0, 0.0, 0.0
+    rhs = np.zeros((2, 2))
+    for j in range(1, len(points) - 1):
+        u, v = 1 - t[j], t[j]
+        if order == 1:
+            a, b, c, d = u * u, 2 * u * v, 0.0, v * v
+        else:
+            a, b, c, d = u * u * u, 3 * u * u * v, 3 * u * v * v, v * v * v
+        m00 += b * b
+        m01 += b * c
+        m11 += c * c
+        for axis in range(2):
+            rest = points[j, axis] - a * points[0, axis] - d * points[-1, axis]
+            rhs[0, axis] += b * rest
+            rhs[1, axis] += c * rest
+    if order == 1:
+        if m00 < 1e-12:
+            return False
+        controls[0] = rhs[0] / m00
+        return True
+    determinant = m00 * m11 - m01 * m01
+    if determinant < 1e-12:
+        return False
+    for axis in range(2):
+        controls[0, axis] = (m11 * rhs[0, axis] - m01 * rhs[1, axis]) / determinant
+        controls[1, axis] = (m00 * rhs[1, axis] - m01 * rhs[0, axis]) / determinant
+    return True

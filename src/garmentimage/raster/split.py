@@ -1,0 +1,267 @@
+"""Splitting: panels that wrap round the body are cut in a front and a back half.
+
+A `Cloth` is a pattern taken apart for cutting: every edge has a number of its own that stays the
+same whatever is cut elsewhere.
+"""
+
+from dataclasses import dataclass, field, replace
+from itertools import count
+from typing import Iterator
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.errors import EncodeError
+from garmentimage.geometry.curves import CHORDS
+from garmentimage.geometry.polygons import centroid, polyline_length, resample, signed_area
+from garmentimage.pattern.model import Pattern
+
+SEEN_FROM_SIDE = 0.6
+"""Only panels with |R22| below this are ever split."""
+
+CLEAR_CROSSING = 0.2
+"""Share of a panel's depth beyond the middle plane at which it is split in any case."""
+
+NEIGHBOUR_CROSSING = 0.03
+"""The same, for a panel whose stitched neighbours lie on both layers."""
+
+PARTNER_REACH = 0.3
+"""Reach, in perimeters, to a vertex where the neighbours change from one layer to the other."""
+
+VERTEX_REACH = 0.035
+"""Reach, in perimeters, to any other vertex."""
+
+SUFFIXES = ("front", "back")
+
+
+@dataclass
+class Piece:
+    """A panel or a part of one: loops of edge numbers, outer loop first."""
+
+    name: str
+    source: str
+    rotation: Float[np.ndarray, "3 3"]
+    translation: Float[np.ndarray, " 3"]
+    loops: list[list[int]]
+    layer: int = 0
+    half: bool = False
+
+
+@dataclass
+class Cloth:
+    """A pattern taken apart: pieces, edges, and which edge is sewn to which."""
+
+    pieces: list[Piece] = field(default_factory=list)
+    curves: dict[int, np.ndarray] = field(default_factory=dict)
+    """Dense polyline of every edge, in the frame of its panel [cm]."""
+    sewn: dict[int, tuple[int, bool]] = field(default_factory=dict)
+    """For every sewn edge its partner, and whether the start of one meets the end of the other."""
+    cuts: set[int] = field(default_factory=set)
+    """Edges made by cutting."""
+    numbers: Iterator[int] = field(default_factory=count)
+
+    @classmethod
+    def of(cls, pattern: Pattern, lift: float) -> "Cloth":
+        """`pattern`, lifted by `lift` [cm]."""
+        cloth = cls()
+        edges: dict[tuple[str, int], int] = {}
+        for panel in pattern.panels:
+            loops = []
+            k = 0
+            for loop in panel.loops:
+                loops.append([])
+                for curve in loop.curves:
+                    number = next(cloth.numbers)
+                    loops[-1].append(number)
+                    cloth.curves[number] = curve.sample(1 if curve.is_straight else CHORDS)
+                    edges[panel.name, k] = number
+                    k += 1
+            where = np.array(panel.translation) + [0.0, lift, 0.0]
+            cloth.pieces.append(Piece(panel.name, panel.name, panel.matrix, where, loops))
+        for stitch in pattern.stitches:
+            a, b = (edges[side.panel, side.edge] for side in stitch.sides)
+            cloth.sew(a, b, crossed=not stitch.same_direction)
+        return cloth
+
+    def sew(self, a: int, b: int, *, crossed: bool) -> None:
+        """Sew edge `a` to edge `b`."""
+        self.sewn[a], self.sewn[b] = (b, crossed), (a, crossed)
+
+    def polygon(self, piece: Piece) -> Float[np.ndarray, "n 2"]:
+        """The outer loop in the panel's own frame, not closed."""
+        return np.concatenate([self.curves[e][:-1] for e in piece.loops[0]])
+
+    def world(self, piece: Piece, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
+        """Panel points placed round the body, feet on the floor [cm]."""
+        return points @ piece.rotation[:, :2].T + piece.translation
+
+    def centre(self, piece: Piece) -> Float[np.ndarray, " 3"]:
+        """World position of the centre of area."""
+        return self.world(piece, centroid(self.polygon(piece))[None])[0]
+
+    def owner(self, edge: int) -> tuple[Piece, list[int]]:
+        """The piece and the loop that an edge belongs to."""
+        return next((p, loop) for p in self.pieces for loop in p.loops if edge in loop)
+
+    def split_edge(self, edge: int, share: float) -> int:
+        """Split an edge, and its partner with it, at a share of its length.
+
+        Returns:
+            Number of the second part, whose start is the new vertex; the first part, whose start
+            is an old one, keeps the number of the edge.
+        """
+        second = self._cut_curve(edge, share)
+        if edge in self.sewn:
+            other, crossed = self.sewn[edge]
+            parts = other, self._cut_curve(other, 1 - share if crossed else share)
+            for mine, theirs in zip((edge, second), parts[::-1] if crossed else parts):
+                self.sew(mine, theirs, crossed=crossed)
+        return second
+
+    def _cut_curve(self, edge: int, share: float) -> int:
+        _, loop = self.owner(edge)
+        second = next(self.numbers)
+        self.curves[edge], self.curves[second] = cut_polyline(self.curves[edge], share)
+        loop.insert(loop.index(edge) + 1, second)
+        return second
+
+
+def cut_polyline(
+    points: Float[np.ndarray, "n 2"], share: float
+) -> tuple[Float[np.ndarray, "k 2"], Float[np.ndarray, "m 2"]]:
+    """The parts of an open polyline before and after a share (0..1) of its length."""
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    shares = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
+    middle = resample(points, np.array([share]))
+    near = 1e-9
+    return (
+        np.concatenate([points[shares < share - near], middle]),
+        np.concatenate([middle, points[shares > share + near]]),
+    )
+
+
+def split_wrapping(cloth: Cloth, middle: float) -> None:
+    """Cut every wrapping panel along the plane z = `middle`, in place.
+
+    The halves keep a seam where they were cut. Larger panels are cut first: a panel that is
+    stitched to one that was cut finds its vertex already there.
+
+    Raises:
+        EncodeError: a cut would run through a hole.
+    """
+    wrapping = [p for p in cloth.pieces if _wraps(cloth, p, middle)]
+    wrapping.sort(key=lambda p: (-abs(signed_area(cloth.polygon(p))), p.translation[0]))
+    undecided = list(wrapping)
+    for piece in wrapping:
+        points = _crossings(cloth, piece, middle)
+        undecided_edges = {e for p in undecided for loop in p.loops for e in loop}
+        vertices = _choose_vertices(cloth, piece, points, undecided_edges)
+        undecided.remove(piece)
+        _halve(cloth, piece, vertices)
+
+
+def _depths(cloth: Cloth, piece: Piece, middle: float) -> np.ndarray:
+    return cloth.world(piece, cloth.polygon(piece))[:, 2] - middle
+
+
+def _wraps(cloth: Cloth, piece: Piece, middle: float) -> bool:
+    if abs(piece.rotation[2, 2]) >= SEEN_FROM_SIDE:
+        return False
+    depths = _depths(cloth, piece, middle)
+    extent = float(np.ptp(depths))
+    beyond = min(depths.max(), -depths.min()) / extent if extent > 0 else 0.0
+    if beyond > CLEAR_CROSSING:
+        return True
+    partners = [cloth.sewn[e][0] for e in piece.loops[0] if e in cloth.sewn]
+    owners = [cloth.owner(e)[0] for e in partners]
+    layers = {p.layer for p in owners if abs(p.rotation[2, 2]) >= SEEN_FROM_SIDE}
+    return beyond > NEIGHBOUR_CROSSING and len(layers) == 2
+
+
+def _crossings(cloth: Cloth, piece: Piece, middle: float) -> list[float]:
+    """The two places, in lengths along the outer loop, where it passes the middle plane.
+
+    Of more than two the pair farthest apart along the loop.
+    """
+    closed = np.concatenate([cloth.polygon(piece), cloth.curves[piece.loops[0][0]][:1]])
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+    depth = cloth.world(piece, closed)[:, 2] - middle
+    (i,) = np.nonzero((depth[:-1] <= 0) != (depth[1:] <= 0))
+    places = along[i] + depth[i] / (depth[i] - depth[i + 1]) * (along[i + 1] - along[i])
+    pairs = [(places[m], places[k]) for k in range(len(places)) for m in range(k)]
+    return list(max(pairs, key=lambda p: _round_trip(p[0], p[1], along[-1])))
+
+
+def _round_trip(a: float, b: float, perimeter: float) -> float:
+    """Distance of two places along a closed loop."""
+    return min(abs(a - b), perimeter - abs(a - b))
+
+
+def _choose_vertices(
+    cloth: Cloth, piece: Piece, places: list[float], undecided: set[int]
+) -> list[int]:
+    """The two edges before which to cut; a place far from any good vertex gets a new one."""
+    chosen: list[int] = []
+    for place in places:
+        loop = piece.loops[0]
+        lengths = [polyline_length(cloth.curves[e]) for e in loop]
+        starts = np.concatenate([[0.0], np.cumsum(lengths)])
+        reach = [_round_trip(s, place, starts[-1]) / starts[-1] for s in starts[:-1]]
+        layers = [_partner_layer(cloth, e, undecided) for e in loop]
+        changes = [
+            k for k in range(len(loop)) if {layers[k - 1], layers[k]} == {0, 1}
+        ]
+        good = [(reach[k], k) for k in changes if reach[k] < PARTNER_REACH]
+        good = good or [(r, k) for k, r in enumerate(reach) if r < VERTEX_REACH]
+        good = [(r, k) for r, k in good if loop[k] not in chosen]
+        if good:
+            chosen.append(loop[min(good)[1]])
+            continue
+        k = int(np.searchsorted(starts, place, side="right")) - 1
+        chosen.append(cloth.split_edge(loop[k], (place - starts[k]) / lengths[k]))
+    return chosen
+
+
+def _partner_layer(cloth: Cloth, edge: int, undecided: set[int]) -> int | None:
+    if edge not in cloth.sewn or cloth.sewn[edge][0] in undecided:
+        return None
+    return cloth.owner(cloth.sewn[edge][0])[0].layer
+
+
+def _halve(cloth: Cloth, piece: Piece, vertices: list[int]) -> None:
+    """Replace a piece by the two parts between the starts of two of its edges."""
+    loop = piece.loops[0]
+    i, j = sorted(loop.index(e) for e in vertices)
+    parts = [loop[i:j], loop[j:] + loop[:i]]
+    cut = next(cloth.numbers), next(cloth.numbers)
+    halves = []
+    for number, part in zip(cut, parts):
+        ends = cloth.curves[part[-1]][-1], cloth.curves[part[0]][0]
+        cloth.curves[number] = np.stack(ends)
+        halves.append(replace(piece, loops=[[*part, number]], half=True))
+    cloth.sew(*cut, crossed=True)
+    cloth.cuts |= set(cut)
+    for hole in piece.loops[1:]:
+        _half_with_hole(cloth, piece, halves, hole).loops.append(hole)
+    halves.sort(key=lambda h: -cloth.centre(h)[2])
+    at = next(k for k, p in enumerate(cloth.pieces) if p is piece)
+    taken = {p.name for p in cloth.pieces}
+    for layer, half in enumerate(halves):
+        half.layer = layer
+        half.name = f"{piece.name}:{SUFFIXES[layer]}"
+        while half.name in taken:
+            half.name += "'"
+    cloth.pieces[at : at + 1] = halves
+
+
+def _half_with_hole(cloth: Cloth, piece: Piece, halves: list[Piece], hole: list[int]) -> Piece:
+    import shapely
+
+    inner = shapely.Polygon(np.concatenate([cloth.curves[e][:-1] for e in hole]))
+    for half in halves:
+        if shapely.Polygon(cloth.polygon(half)).contains(inner):
+            return half
+    raise EncodeError(
+        f"panel {piece.name!r} wraps round the body and a hole lies across the line where it "
+        "must be split in a front and a back half; split the panel there in the pattern"
+    )

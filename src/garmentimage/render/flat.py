@@ -1,0 +1,286 @@
+"""A pattern as a flat drawing: panels, seams in matching colours and numbers, grain, scale.
+
+Words of this file: a **seam** is a run of stitches that follow each other on both sides; it gets
+one colour and one number.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.geometry.polygons import centroid
+from garmentimage.pattern.model import Panel, Pattern, Side
+from garmentimage.render.arrange import Arrangement, PlacedPanel, arrange, bounds
+from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+CURVE_CHORDS = 24
+"""Chords that draw one curved edge."""
+SCALE_BAR_CM = 20.0
+LETTERING = 5.5
+"""Size of names and numbers [points]; names shrink to fit their panel ..."""
+SMALLEST_LETTERING = 3.0
+"""... down to this size."""
+_LETTER_WIDTH = 0.62
+"""Mean width of a letter, in sizes of the lettering."""
+NUMBER_LIMIT = 60
+"""With more seams than this the numbers would hide the drawing and are left out."""
+NAME_LIMIT = 40
+"""With more panels than this the names are left out."""
+
+
+def draw_pattern(pattern: Pattern, ax: "Axes", *, arrangement: Arrangement = "worn") -> None:
+    """Draw all panels of a pattern on matplotlib axes, 1 unit = 1 cm.
+
+    Args:
+        pattern: what to draw.
+        ax: where; its limits, aspect and frame are set.
+        arrangement: "worn" draws the front beside the back, each panel about where it hangs;
+            "table" packs the panels in rows, in their own frames.
+    """
+    placed = arrange(pattern, arrangement)
+    low, high = bounds(placed)
+    size = float((high - low).max())
+    pad = 0.03 * size
+    ax.set_xlim(low[0] - pad, high[0] + pad)
+    ax.set_ylim(low[1] - 3.5 * pad, high[1] + 2.5 * pad)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    letter = LETTERING * _cm_per_point(ax)
+    seams = seam_numbers(pattern)
+    for p in placed:
+        _draw_cloth(p, ax)
+        _draw_edges(p, seams, ax)
+        if p.panel.grain is not None:
+            _draw_grain(p, ax)
+        if len(placed) <= NAME_LIMIT:
+            _draw_name(p, letter, ax)
+        if max(seams.values(), default=0) <= NUMBER_LIMIT:
+            _draw_numbers(p, seams, letter, ax)
+    if len({p.back for p in placed}) == 2 and arrangement == "worn":
+        for back, title in ((False, "front"), (True, "back")):
+            sides = bounds([p for p in placed if p.back == back])
+            x = float(sides[:, 0].mean())
+            ax.text(x, high[1] + pad, title, color=FAINT, fontsize=7, ha="center", va="bottom")
+    _draw_scale_bar(low, size, ax)
+
+
+def _cm_per_point(ax: "Axes") -> float:
+    """What one point of lettering measures in the drawing [cm]; needs the limits of the axes."""
+    box = ax.get_window_extent()
+    points = 72 / ax.figure.dpi
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+    return max((x1 - x0) / (box.width * points), (y1 - y0) / (box.height * points))
+
+
+def seam_numbers(pattern: Pattern) -> dict[Side, int]:
+    """A number from 1 up for every sewn side, the same for both sides of a seam.
+
+    Stitches whose sides follow each other on both panels count as one seam. Numbers run from the
+    top of the garment down and do not depend on the order of panels or stitches.
+    """
+    parent = list(range(len(pattern.stitches)))
+
+    def root(k: int) -> int:
+        while parent[k] != k:
+            k = parent[k]
+        return k
+
+    stitch_of = {side: k for k, s in enumerate(pattern.stitches) for side in s.sides}
+    follower = _followers(pattern)
+    for k, stitch in enumerate(pattern.stitches):
+        after = follower[stitch.a]
+        other = stitch_of.get(after)
+        if other is None or pattern.stitches[other].same_direction != stitch.same_direction:
+            continue
+        partner = pattern.partners[after]
+        joined = (
+            follower[stitch.b] == partner
+            if stitch.same_direction
+            else follower[partner] == stitch.b
+        )
+        if joined:
+            parent[root(other)] = root(k)
+    middles: dict[int, list[np.ndarray]] = {}
+    for side, k in stitch_of.items():
+        middle = pattern.curve(side).sample(2)[1:2]
+        middles.setdefault(root(k), []).append(pattern.by_name[side.panel].to_world(middle)[0])
+    place = {k: np.round(np.mean(points, axis=0), 3) for k, points in middles.items()}
+    order = sorted(place, key=lambda k: (-place[k][1], *place[k][[0, 2]], k))
+    number = {k: n for n, k in enumerate(order, start=1)}
+    return {side: number[root(k)] for side, k in stitch_of.items()}
+
+
+def _followers(pattern: Pattern) -> dict[Side, Side]:
+    """The side that comes next in the loop of each side."""
+    follower = {}
+    for panel in pattern.panels:
+        first = 0
+        for loop in panel.loops:
+            count = len(loop.edges)
+            for k in range(count):
+                after = first + (k + 1) % count
+                follower[Side(panel.name, first + k)] = Side(panel.name, after)
+            first += count
+    return follower
+
+
+def seam_colour(number: int) -> str:
+    """Colour of a seam by its number."""
+    return SEAM_COLOURS[(number - 1) % len(SEAM_COLOURS)]
+
+
+def _lines(placed: PlacedPanel) -> list[Float[np.ndarray, "n 2"]]:
+    """Every edge of the panel as a polyline in the picture, numbered as `Panel.edges`."""
+    return [
+        placed.place(curve.sample(1 if curve.is_straight else CURVE_CHORDS))
+        for curve in placed.panel.curves
+    ]
+
+
+def _draw_cloth(placed: PlacedPanel, ax: "Axes") -> None:
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    loops = [placed.place(_closed(loop.polygon)) for loop in placed.panel.loops]
+    # Holes show the paper only when they run against the outline.
+    turned = [loops[0]] + [
+        h if loop.area * placed.panel.outline.area < 0 else h[::-1]
+        for h, loop in zip(loops[1:], placed.panel.holes)
+    ]
+    path = Path.make_compound_path(*(Path(points, closed=True) for points in turned))
+    tint = LAYER_TINTS[int(placed.back)]
+    ax.add_patch(PathPatch(path, facecolor=tint, edgecolor="none", zorder=1))
+
+
+def _closed(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
+    return np.concatenate([polygon, polygon[:1]])
+
+
+def _draw_edges(placed: PlacedPanel, seams: dict[Side, int], ax: "Axes") -> None:
+    from matplotlib.collections import LineCollection
+
+    numbers = [seams.get(Side(placed.panel.name, k)) for k in range(len(placed.panel.edges))]
+    ax.add_collection(
+        LineCollection(
+            _lines(placed),
+            colors=[INK if n is None else seam_colour(n) for n in numbers],
+            linewidths=[0.9 if n is None else 1.7 for n in numbers],
+            capstyle="round",
+            zorder=2,
+        )
+    )
+
+
+def _draw_numbers(
+    placed: PlacedPanel, seams: dict[Side, int], letter: float, ax: "Axes"
+) -> None:
+    """One number a seam, beside the middle of its longest edge; outside where cloth is narrow."""
+    longest: dict[int, tuple[float, int]] = {}
+    lines = _lines(placed)
+    for k, curve in enumerate(placed.panel.curves):
+        number = seams.get(Side(placed.panel.name, k))
+        if number is not None and curve.length > longest.get(number, (0.0, 0))[0]:
+            longest[number] = (curve.length, k)
+    low, high = bounds([placed])
+    inset = letter if (high - low).min() > 5 * letter else -letter
+    # A dart has one number for two legs: the longer leg wears it.
+    for number, (_, k) in sorted(longest.items()):
+        x, y = _beside_edge(placed, lines[k], inset)
+        ax.text(
+            x,
+            y,
+            str(number),
+            color=seam_colour(number),
+            fontsize=LETTERING,
+            fontweight="bold",
+            ha="center",
+            va="center",
+            zorder=4,
+        )
+
+
+def _beside_edge(
+    placed: PlacedPanel, line: Float[np.ndarray, "n 2"], inset: float
+) -> Float[np.ndarray, " 2"]:
+    """A point `inset` cm inside the panel, beside the middle of one of its edges."""
+    k = (len(line) - 1) // 2
+    middle, along = (line[k] + line[k + 1]) / 2, line[k + 1] - line[k]
+    normal = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-12)
+    inward = np.sign(placed.panel.outline.area) * np.sign(np.linalg.det(placed.matrix))
+    return middle + inset * inward * normal
+
+
+def _draw_grain(placed: PlacedPanel, ax: "Axes") -> None:
+    assert placed.panel.grain is not None
+    polygon = placed.polygon
+    along = placed.matrix @ np.array(placed.panel.grain)
+    reach = polygon @ along
+    half = 0.16 * float(reach.max() - reach.min())
+    middle = _inner_point(placed.panel, placed) - 0.12 * half * along
+    ax.annotate(
+        "",
+        middle + half * along,
+        middle - half * along,
+        arrowprops={"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6},
+        zorder=3,
+    )
+
+
+def _inner_point(panel: Panel, placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
+    """The centroid where it lies on cloth, else some point that does."""
+    from shapely import Point, Polygon
+
+    shape = Polygon(panel.outline.polygon, [h.polygon for h in panel.holes])
+    centre = centroid(panel.outline.polygon)
+    if not shape.is_valid or not shape.contains(Point(*centre)):
+        inner = shape.buffer(0).representative_point()
+        centre = centre if inner.is_empty else np.array([inner.x, inner.y])
+    return placed.place(centre[None])[0]
+
+
+def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
+    """The name across the panel, or along it where that is longer and needed."""
+    name = printable(placed.panel.name)
+    low, high = bounds([placed])
+    width, height = high - low
+    needed = _LETTER_WIDTH * letter * max(len(name), 1)
+    upright = bool(needed > 0.8 * width and height > width)
+    room = 0.8 * float(height if upright else width)
+    x, y = _inner_point(placed.panel, placed)
+    ax.text(
+        x,
+        y,
+        name,
+        color=INK,
+        fontsize=max(LETTERING * min(1.0, room / needed), SMALLEST_LETTERING),
+        ha="center",
+        va="center",
+        rotation=90 if upright else 0,
+        parse_math=False,
+        zorder=5,
+    )
+
+
+def _draw_scale_bar(low: np.ndarray, size: float, ax: "Axes") -> None:
+    x, y = float(low[0]), float(low[1]) - 0.07 * size
+    tick = 0.012 * size
+    ends = ([x, x, x, x + SCALE_BAR_CM, x + SCALE_BAR_CM, x + SCALE_BAR_CM],)
+    ax.plot(
+        *ends,
+        [y - tick, y + tick, y, y, y + tick, y - tick],
+        color=FAINT,
+        linewidth=0.8,
+        solid_capstyle="butt",
+    )
+    ax.text(
+        x + SCALE_BAR_CM + 0.01 * size,
+        y,
+        f"{SCALE_BAR_CM:.0f} cm",
+        color=FAINT,
+        fontsize=6,
+        va="center",
+    )

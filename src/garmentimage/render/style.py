@@ -1,0 +1,67 @@
+"""Colours, strokes and lettering that all pictures share."""
+
+import unicodedata
+
+from garmentimage.raster.image import EdgeType
+
+INK = "#2b2d33"
+FAINT = "#8a8f98"
+PAPER = "white"
+GRID_LINE = "#e4e6ea"
+
+LAYER_TINTS = ("#fbe9cf", "#d9e8f2")
+"""Cloth of the front and of the back layer; further cloth layers take turns."""
+
+TYPE_COLOURS = {
+    EdgeType.NON_STITCH: INK,
+    EdgeType.FRONT_TO_BACK: "#d55e00",
+    EdgeType.SIDE_BY_SIDE: "#0072b2",
+}
+"""Grid edges by type (Okabe and Ito: told apart with any colour vision)."""
+
+TYPE_NAMES = {
+    EdgeType.NON_STITCH: "not sewn",
+    EdgeType.FRONT_TO_BACK: "front to back",
+    EdgeType.SIDE_BY_SIDE: "side by side",
+}
+
+SEAM_COLOURS = (
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#aa4499",
+    "#e69f00",
+    "#332288",
+    "#44aa99",
+    "#882255",
+    "#56b4e9",
+    "#999933",
+    "#cc6677",
+    "#117733",
+)
+"""Seams in turn (Okabe and Ito, Tol); the number beside a seam settles what colour cannot."""
+
+NAME_LIMIT = 28
+"""Longest name that is written out."""
+_UNKNOWN = "\N{REPLACEMENT CHARACTER}"
+
+
+def layer_tint(layer: int) -> str:
+    """Fill colour of a layer's cloth."""
+    return LAYER_TINTS[layer % len(LAYER_TINTS)]
+
+
+def printable(text: str) -> str:
+    """`text` on one line, shortened, with a sign for what the font of the pictures lacks."""
+    from matplotlib.font_manager import findfont, get_font
+
+    font = get_font(findfont("DejaVu Sans"))
+    shown = "".join(
+        c if unicodedata.category(c)[0] not in "CZM" and font.get_char_index(ord(c)) else _sign(c)
+        for c in text[:NAME_LIMIT]
+    )
+    return shown + "\N{HORIZONTAL ELLIPSIS}" if len(text) > NAME_LIMIT else shown
+
+
+def _sign(character: str) -> str:
+    return " " if character == " " else _UNKNOWN
