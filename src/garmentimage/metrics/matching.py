@@ -13,17 +13,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
+from garmentimage.geometry.curves import Curve
 from garmentimage.geometry.polygons import resample
 from garmentimage.pattern.model import Loop, Panel, Pattern
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-CURVE_CHORDS = 32
-"""Chords that stand for a curved edge; a half circle then loses 0.2 % of its area."""
+CHORDS_PER_ROOT_CM = 8.0
+"""A curve of length L stands as this x sqrt(L) chords: no half circle is off by 0.01 cm then.
+
+Ruffles are strips of a few cm and a few metres: coarser chords would be most of their IoU."""
+
+MOST_CHORDS = 1000
 
 BOUNDARY_POINTS = 128
 """Points on each boundary when boundaries are compared."""
+
+STARTS_BETWEEN = 8
+"""Starts that are tried between two of these points."""
 
 IOU_FLOOR = 0.3
 """While matching, pairs whose areas alone forbid this much IoU count as 0 (saves the work)."""
@@ -39,6 +47,9 @@ POSES = tuple(
     for flip, (c, s) in product((1.0, -1.0), ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)))
 )
 """Quarter turns of the panel as it is, then of its mirror image; the first is the identity."""
+
+TURNED, MIRRORED = (0, 1, 2, 3), (4, 5, 6, 7)
+"""Indices of `POSES`: without and with mirroring."""
 
 
 @dataclass(frozen=True)
@@ -180,37 +191,51 @@ def panel_region(panel: Panel) -> "BaseGeometry":
 
 def loop_polygon(loop: Loop) -> Float[np.ndarray, "n 2"]:
     """A loop as a fine polygon, not closed [cm]."""
-    return np.concatenate(
-        [c.sample(1 if c.is_straight else CURVE_CHORDS)[:-1] for c in loop.curves]
-    )
+    return np.concatenate([c.sample(_chords(c))[:-1] for c in loop.curves])
+
+
+def _chords(curve: Curve) -> int:
+    if curve.is_straight:
+        return 1
+    return int(np.clip(np.ceil(CHORDS_PER_ROOT_CM * np.sqrt(curve.length)), 2, MOST_CHORDS))
 
 
 def boundary_distance(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
     """Mean distance between two outlines, centred, at equal shares of arc length [cm].
 
-    It does not depend on where the loops start nor which way they run: the best start of `b`
-    and the better direction are taken. Starts are tried at `BOUNDARY_POINTS` places.
+    It does not depend on where the loops start nor which way they run: the better direction and
+    the best start of `b` are taken, to a share 1 / (`BOUNDARY_POINTS` x `STARTS_BETWEEN`) of its
+    length.
     """
-    points_a, points_b = _boundary_points(a), _boundary_points(b)
+    ours = _boundary_points(a, BOUNDARY_POINTS)
+    theirs = _boundary_points(b, BOUNDARY_POINTS * STARTS_BETWEEN)
     poses = POSES if any_pose else POSES[:1]
-    return min(_best_shift(points_a, points_b @ pose.T) for pose in poses)
+    return min(
+        _best_start(ours, order)
+        for pose in poses
+        for order in (theirs @ pose.T, theirs[::-1] @ pose.T)
+    )
 
 
-def _boundary_points(panel: Panel) -> Float[np.ndarray, "n 2"]:
+def _boundary_points(panel: Panel, count: int) -> Float[np.ndarray, "n 2"]:
+    """Points evenly along the outline, seen from their mean [cm]."""
     polygon = loop_polygon(panel.outline)
     closed = np.concatenate([polygon, polygon[:1]])
-    points = resample(closed, np.arange(BOUNDARY_POINTS) / BOUNDARY_POINTS)
+    points = resample(closed, np.arange(count) / count)
     return points - points.mean(axis=0)
 
 
-def _best_shift(a: np.ndarray, b: np.ndarray) -> float:
-    index = np.arange(len(a))
-    shifted = (index[:, None] + index[None]) % len(a)
-    best = np.inf
-    for order in (b, b[::-1]):
-        gaps = np.hypot(*(a[:, None] - order[None]).transpose(2, 0, 1))
-        best = min(best, float(gaps[index, shifted].mean(axis=1).min()))
-    return best
+def _best_start(ours: np.ndarray, theirs: np.ndarray) -> float:
+    """Least mean distance over all starts of the finer `theirs`: coarse search, then fine."""
+    count = len(ours)
+    index = np.arange(count)
+    coarse = theirs[::STARTS_BETWEEN]
+    gaps = np.hypot(*(ours[:, None] - coarse[None]).transpose(2, 0, 1))
+    means = gaps[index, (index[:, None] + index[None]) % count].mean(axis=1)
+    middle = int(means.argmin()) * STARTS_BETWEEN
+    starts = middle + np.arange(1 - STARTS_BETWEEN, STARTS_BETWEEN)
+    moved = theirs[(starts[:, None] + index[None] * STARTS_BETWEEN) % len(theirs)]
+    return float(np.hypot(*(moved - ours).transpose(2, 0, 1)).mean(axis=1).min())
 
 
 def _nearness(a: Sequence[Panel], b: Sequence[Panel]) -> Float[np.ndarray, "a b"]:

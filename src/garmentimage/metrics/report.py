@@ -6,12 +6,13 @@ from dataclasses import asdict
 from importlib import metadata
 from typing import Any
 
+from garmentimage import __version__
 from garmentimage.metrics.roundtrip import FileReport, Trip, summarise
 
 REPORT_VERSION = 1
 """Version of the report's layout."""
 
-LIBRARIES = ("garmentimage", "numpy", "scipy", "shapely", "numba")
+LIBRARIES = ("numpy", "scipy", "shapely", "numba")
 """Libraries whose versions a report names."""
 
 DIGITS = 6
@@ -27,6 +28,7 @@ def report_to_json(reports: Sequence[FileReport], grid: int) -> dict[str, Any]:
         "version": REPORT_VERSION,
         "grid": grid,
         "versions": {
+            "garmentimage": __version__,
             "python": platform.python_version(),
             **{name: metadata.version(name) for name in LIBRARIES},
         },

@@ -146,7 +146,7 @@ def judge(original: Pattern, decoded: Pattern, *, any_pose: bool = False) -> Rou
         faults = structure_faults(decoded)
     graphs = stitch_graph(original), stitch_graph(decoded)
     likeliest = _likeliest(original, decoded, graphs, any_pose=any_pose)
-    reasons = _differences(original, decoded, graphs, likeliest)
+    reasons = _differences(original, decoded, graphs, likeliest, any_pose=any_pose)
     if reasons:
         match = _search(original, decoded, graphs, any_pose=any_pose)
         if match is not None:
@@ -160,15 +160,22 @@ Graphs = tuple[StitchGraph, StitchGraph]
 
 def _likeliest(original: Pattern, decoded: Pattern, graphs: Graphs, *, any_pose: bool) -> Matching:
     """The assignment of panels, by names or by shape, that explains more."""
-    by_shape = match_panels(original, decoded, any_pose=any_pose)
     if any_pose:
-        return by_shape
+        return match_panels(original, decoded, any_pose=True)
     by_name = match_panels(original, decoded, by_name=True)
+    if not _differences(original, decoded, graphs, by_name):
+        return by_name
+    by_shape = match_panels(original, decoded)
     return min(by_name, by_shape, key=lambda m: len(_differences(original, decoded, graphs, m)))
 
 
 def _differences(
-    original: Pattern, decoded: Pattern, graphs: Graphs, matching: Matching
+    original: Pattern,
+    decoded: Pattern,
+    graphs: Graphs,
+    matching: Matching,
+    *,
+    any_pose: bool = False,
 ) -> list[str]:
     """Why two patterns differ under an assignment of panels."""
     reasons = []
@@ -179,7 +186,7 @@ def _differences(
         for p in matching.pairs
         if p.iou < SUCCESS_IOU
     ]
-    return reasons + same_stitch_graph(*graphs, matching.panel_map)
+    return reasons + same_stitch_graph(*graphs, matching.panel_map, any_pose=any_pose)
 
 
 def _search(
@@ -194,7 +201,7 @@ def _search(
         p.name: [names[j] for j in np.argsort(-row, kind="stable") if row[j] >= SUCCESS_IOU]
         for p, row in zip(original.panels, iou)
     }
-    return match_graphs(*graphs, candidates)
+    return match_graphs(*graphs, candidates, any_pose=any_pose)
 
 
 def _result(
@@ -208,7 +215,8 @@ def _result(
     agreement, deviation = 0.0, None
     if graphs is not None:
         agreement = seam_agreement(*graphs, matching.panel_map)
-        match = match_graphs(*graphs, {p.a: [p.b] for p in matching.pairs}, check_lengths=False)
+        pairs = {p.a: [p.b] for p in matching.pairs}
+        match = match_graphs(*graphs, pairs, any_pose=True, check_lengths=False)
         if match is not None:
             ours, theirs = (graph.sides for graph in graphs)
             gaps = [abs(ours[k].length - theirs[m].length) for k, m in match.sides.items()]
@@ -230,7 +238,7 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
 
     Errors end a trip and are told in the report; none is raised, not even for our own mistakes.
     """
-    from garmentimage.pattern.spec import load_pattern
+    from garmentimage.pattern.spec import read_pattern
     from garmentimage.raster.encode import encode
     from garmentimage.raster.files import save_image
 
@@ -239,7 +247,7 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
     clock = _Clock()
     with tempfile.TemporaryDirectory() as folder, clock.catching() as failed:
         with clock.step("load"):
-            original = load_pattern(path)
+            original, _ = read_pattern(path)
         with clock.step("encode"):
             image = encode(original, grid=grid)
         with clock.step("save image"):
@@ -258,7 +266,7 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
 
 def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> Trip:
     """From a saved image to a saved pattern, and what the judge says of it."""
-    from garmentimage.pattern.spec import load_pattern, save_pattern
+    from garmentimage.pattern.spec import read_pattern, save_pattern
     from garmentimage.raster.decode import decode
     from garmentimage.raster.files import load_image, save_image
 
@@ -274,7 +282,7 @@ def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> 
         with clock.step("save"):
             save_pattern(decoded, folder / "pattern.json")
         with clock.step("reload"):
-            decoded = load_pattern(folder / "pattern.json")
+            decoded, _ = read_pattern(folder / "pattern.json")
         with clock.step("judge"):
             result = judge(original, decoded, any_pose=not keep_marks)
         return Trip(result, times=clock.times)

@@ -9,6 +9,8 @@ Words of this file:
   counts: how many edges it has and how long they are is the business of IoU.
 - A **dart** is a seam of a loop with itself whose sides meet at a vertex, the apex. A run of
   stitches never goes on across an apex, or the dart would fold away.
+- Each seam side lies at a **place** of its panel: where its middle is, seen from the panel's
+  centroid. The order round a panel cannot tell a rectangle from one turned upside down; this can.
 - A **closed** seam side is a whole loop without beginning: where its first edge lies does not
   count.
 
@@ -18,18 +20,28 @@ together with them, which is why comparing is quick.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import dist, sqrt
 
 import numpy as np
 
+from garmentimage.geometry.curves import Curve, Point
+from garmentimage.geometry.polygons import centroid, signed_area
+from garmentimage.metrics.matching import MIRRORED, POSES, TURNED, loop_polygon
 from garmentimage.pattern.model import Pattern, Side, Stitch
 
 LENGTH_TOL_SHARE = 0.02
 """Stitched lengths agree within this share of the length ..."""
 
 LENGTH_TOL_CM = 0.5
+"""... or within this much [cm], whichever is more."""
+
+PLACE_TOL_SHARE = 0.1
+"""The middles of seam sides agree within this share of the panel's size (root of its area) ..."""
+
+PLACE_TOL_CM = 2.0
 """... or within this much [cm], whichever is more."""
 
 SEARCH_LIMIT = 500_000
@@ -47,6 +59,8 @@ class SeamSide:
     """Edge numbers of the panel, in loop order."""
     length: float
     """Length along the run [cm]."""
+    middle: Point
+    """The middle of the run, by arc length, seen from the panel's centroid [cm]."""
     closed: bool
     """The whole loop, without beginning or end."""
     next: int
@@ -60,16 +74,28 @@ class SeamSide:
 
 
 @dataclass(frozen=True)
-class StitchGraph:
-    """Seam sides in order of panel, loop and edge; and the number of loops of every panel."""
+class PanelNode:
+    """What the graph knows of a panel."""
 
+    loops: int
+    """Outline and holes."""
+    clockwise: bool
+    """The outline runs clockwise in panel coordinates."""
+    size: float
+    """Root of the area within the outline [cm]."""
+
+
+@dataclass(frozen=True)
+class StitchGraph:
+    """Panels, and seam sides in order of panel, loop and edge."""
+
+    panels: Mapping[str, PanelNode]
     sides: tuple[SeamSide, ...]
-    loops: Mapping[str, int]
 
     @cached_property
     def by_panel(self) -> Mapping[str, tuple[int, ...]]:
         """Indices of the seam sides of each panel."""
-        found: dict[str, list[int]] = {name: [] for name in self.loops}
+        found: dict[str, list[int]] = {name: [] for name in self.panels}
         for k, side in enumerate(self.sides):
             found[side.panel].append(k)
         return {name: tuple(ks) for name, ks in found.items()}
@@ -114,11 +140,18 @@ class GraphMatch:
 
     panels: Mapping[str, str]
     sides: Mapping[int, int]
+    poses: Mapping[str, tuple[int, ...]]
+    """For each panel the `POSES` that bring its seam sides to their places."""
 
 
 def lengths_agree(a: float, b: float) -> bool:
     """Whether two stitched lengths [cm] count as the same; `a` is the one that should be."""
     return abs(a - b) <= max(LENGTH_TOL_CM, LENGTH_TOL_SHARE * a)
+
+
+def places_agree(a: Point, b: Point, size: float) -> bool:
+    """Whether two places on a panel of the given size count as the same [cm]."""
+    return dist(a, b) <= max(PLACE_TOL_CM, PLACE_TOL_SHARE * size)
 
 
 def stitch_graph(pattern: Pattern) -> StitchGraph:
@@ -145,24 +178,46 @@ def stitch_graph(pattern: Pattern) -> StitchGraph:
     runs = [_runs(ring, stitch_of, goes_on) for ring in rings]
     run_of = {side: k for k, run in enumerate(r for rs in runs for r in rs) for side in run}
     loop_of = {side: number for ring, number in zip(rings, _loop_numbers(pattern)) for side in ring}
+    outlines = {p.name: loop_polygon(p.outline) for p in pattern.panels}
+    centres = {name: centroid(outline) for name, outline in outlines.items()}
     sides = []
     for ring_runs in runs:
         for run, following in zip(ring_runs, ring_runs[1:] + ring_runs[:1]):
-            closed = goes_on(run[-1])
+            curves = [pattern.curve(side) for side in run]
             sides.append(
                 SeamSide(
                     panel=run[0].panel,
                     loop=loop_of[run[0]],
                     edges=tuple(s.edge for s in run),
-                    length=sum(pattern.curve(s).length for s in run),
-                    closed=closed,
+                    length=sum(curve.length for curve in curves),
+                    middle=_middle(curves, centres[run[0].panel]),
+                    closed=goes_on(run[-1]),
                     next=run_of[following[0]],
                     gap_after=after[run[-1]] != following[0],
                     partner=run_of[pattern.partners[run[0]]],
                     same_direction=stitch_of[run[0]].same_direction,
                 )
             )
-    return StitchGraph(tuple(sides), {p.name: len(p.loops) for p in pattern.panels})
+    areas = {name: signed_area(outline) for name, outline in outlines.items()}
+    nodes = {
+        p.name: PanelNode(len(p.loops), areas[p.name] < 0, sqrt(abs(areas[p.name])))
+        for p in pattern.panels
+    }
+    return StitchGraph(nodes, tuple(sides))
+
+
+def _middle(curves: Sequence[Curve], centre: np.ndarray) -> Point:
+    """The point halfway along a run of curves, seen from `centre` [cm]."""
+    left = sum(curve.length for curve in curves) / 2
+    for curve in curves[:-1]:
+        if left <= curve.length:
+            break
+        left -= curve.length
+    else:
+        curve = curves[-1]
+    share = min(left / curve.length, 1.0) if curve.length > 0 else 0.0
+    (point,) = curve.at(np.array([curve.parameter(share)])) - centre
+    return float(point[0]), float(point[1])
 
 
 def _rings(pattern: Pattern) -> list[list[Side]]:
@@ -202,7 +257,9 @@ def match_graphs(
     b: StitchGraph,
     candidates: Mapping[str, Sequence[str]],
     *,
+    any_pose: bool = False,
     check_lengths: bool = True,
+    check_places: bool = True,
 ) -> GraphMatch | None:
     """Lay one stitch graph on another, each panel on one of its candidates.
 
@@ -210,46 +267,62 @@ def match_graphs(
         a: the graph that should be.
         b: the graph that is.
         candidates: for each panel of `a` the panels of `b` that it may be, the best first.
+        any_pose: panels may be turned by quarters in their own coordinates, and mirrored where
+            their outlines run in opposite directions.
         check_lengths: demand that stitched lengths agree (`lengths_agree`).
+        check_places: demand that seams lie at the same places of a panel (`places_agree`).
 
     Returns:
         The first way found in the order of `candidates`, or None where there is none (or none
         within `SEARCH_LIMIT`).
     """
-    if len(a.sides) != len(b.sides) or len(a.loops) != len(b.loops):
+    if len(a.sides) != len(b.sides) or len(a.panels) != len(b.panels):
         return None
     fitting = {
-        p: tuple(q for q in candidates.get(p, ()) if _same_counts(a, p, b, q)) for p in a.loops
+        p: {
+            q: _poses(a.panels[p], b.panels[q], any_pose)
+            for q in candidates.get(p, ())
+            if _same_counts(a, p, b, q)
+            and (not check_places or _poses(a.panels[p], b.panels[q], any_pose))
+        }
+        for p in a.panels
     }
     loose = _match_loose(a, b, fitting)
     if loose is None:
         return None
-    laying = _Laying(a, b, fitting, check_lengths)
+    laying = _Laying(a, b, fitting, check_lengths, check_places)
     # Depth-first: choices[k] runs through the ways to lay component k - 1 on top of those before.
-    choices = [iter([GraphMatch({}, {})])]
+    choices = [iter([GraphMatch({}, {}, {})])]
     while choices:
         match = next(choices[-1], None)
         if match is None:
             choices.pop()
         elif len(choices) > len(a.components):
-            return GraphMatch({**match.panels, **loose}, match.sides)
+            return replace(match, panels={**match.panels, **loose})
         else:
             choices.append(laying.ways(a.components[len(choices) - 1], match))
     return None
 
 
 def _same_counts(a: StitchGraph, p: str, b: StitchGraph, q: str) -> bool:
-    return a.loops[p] == b.loops[q] and len(a.by_panel[p]) == len(b.by_panel[q])
+    return a.panels[p].loops == b.panels[q].loops and len(a.by_panel[p]) == len(b.by_panel[q])
+
+
+def _poses(a: PanelNode, b: PanelNode, any_pose: bool) -> tuple[int, ...]:
+    """Which of `POSES` keep the outer face outside: mirrored ones where the outlines differ."""
+    if any_pose:
+        return MIRRORED if a.clockwise != b.clockwise else TURNED
+    return () if a.clockwise != b.clockwise else TURNED[:1]
 
 
 def _match_loose(
-    a: StitchGraph, b: StitchGraph, candidates: Mapping[str, Sequence[str]]
+    a: StitchGraph, b: StitchGraph, candidates: Mapping[str, Iterable[str]]
 ) -> dict[str, str] | None:
     """A counterpart for every panel that nothing is sewn to, the best candidates preferred."""
     from scipy.optimize import linear_sum_assignment
 
-    loose_a = [p for p in a.loops if not a.by_panel[p]]
-    loose_b = [q for q in b.loops if not b.by_panel[q]]
+    loose_a = [p for p in a.panels if not a.by_panel[p]]
+    loose_b = [q for q in b.panels if not b.by_panel[q]]
     if len(loose_a) != len(loose_b):
         return None
     forbidden = float(len(loose_b) ** 2 + 1)
@@ -271,10 +344,12 @@ class _Laying:
         self,
         a: StitchGraph,
         b: StitchGraph,
-        candidates: Mapping[str, Sequence[str]],
+        candidates: Mapping[str, Mapping[str, tuple[int, ...]]],
         check_lengths: bool,
+        check_places: bool,
     ) -> None:
-        self.a, self.b, self.candidates, self.check_lengths = a, b, candidates, check_lengths
+        self.a, self.b, self.candidates = a, b, candidates
+        self.check_lengths, self.check_places = check_lengths, check_places
         self.steps = 0
 
     def ways(self, component: tuple[int, ...], so_far: GraphMatch) -> Iterator[GraphMatch]:
@@ -293,7 +368,7 @@ class _Laying:
 
     def _lay(self, root: int, image: int, so_far: GraphMatch) -> GraphMatch | None:
         """Follow `next` and `partner` from one pair of seam sides; None where they disagree."""
-        panels, sides = dict(so_far.panels), dict(so_far.sides)
+        panels, sides, poses = dict(so_far.panels), dict(so_far.sides), dict(so_far.poses)
         taken_panels, taken_sides = set(panels.values()), set(sides.values())
         waiting = [(root, image)]
         while waiting:
@@ -313,12 +388,24 @@ class _Laying:
                     return None
             elif y.panel not in self.candidates[x.panel]:
                 return None
+            if self.check_places:
+                known = poses.get(x.panel, self.candidates[x.panel][y.panel])
+                poses[x.panel] = self._fitting_poses(x, y, known)
+                if not poses[x.panel]:
+                    return None
             panels[x.panel] = y.panel
             taken_panels.add(y.panel)
             sides[k] = m
             taken_sides.add(m)
             waiting += [(x.next, y.next), (x.partner, y.partner)]
-        return GraphMatch(panels, sides)
+        return GraphMatch(panels, sides, poses)
+
+    def _fitting_poses(self, x: SeamSide, y: SeamSide, known: tuple[int, ...]) -> tuple[int, ...]:
+        """The poses of a panel that bring `y` to the place of `x`; a closed run has no middle."""
+        if x.closed:
+            return known
+        size = self.a.panels[x.panel].size
+        return tuple(k for k in known if places_agree(x.middle, _posed(y.middle, k), size))
 
     def _alike(self, x: SeamSide, y: SeamSide) -> bool:
         return (
@@ -327,25 +414,35 @@ class _Laying:
         ) and (not self.check_lengths or lengths_agree(x.length, y.length))
 
 
-def same_stitch_graph(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str]) -> list[str]:
+def _posed(point: Point, pose: int) -> Point:
+    x, y = POSES[pose] @ point
+    return float(x), float(y)
+
+
+def same_stitch_graph(
+    a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str], *, any_pose: bool = False
+) -> list[str]:
     """Why two stitch graphs differ under a given assignment of panels; empty where they agree.
 
     Args:
         a: the graph that should be; the reasons use its panel names.
         b: the graph that is.
         panel_map: panels of `a` -> panels of `b`.
+        any_pose: as in `match_graphs`.
     """
-    lonely = [f"panel {p!r} has no counterpart" for p in a.loops if p not in panel_map]
+    lonely = [f"panel {p!r} has no counterpart" for p in a.panels if p not in panel_map]
     found = set(panel_map.values())
-    lonely += [f"panel {q!r} is extra" for q in b.loops if q not in found]
+    lonely += [f"panel {q!r} is extra" for q in b.panels if q not in found]
     if lonely:
         return lonely
     fixed = {p: (q,) for p, q in panel_map.items()}
-    if match_graphs(a, b, fixed) is not None:
+    if match_graphs(a, b, fixed, any_pose=any_pose) is not None:
         return []
-    topology = match_graphs(a, b, fixed, check_lengths=False)
-    if topology is not None:
-        return _length_reasons(a, b, topology)
+    placed = match_graphs(a, b, fixed, any_pose=any_pose, check_lengths=False)
+    if placed is not None:
+        return _length_reasons(a, b, placed)
+    if match_graphs(a, b, fixed, any_pose=any_pose, check_lengths=False, check_places=False):
+        return _place_reasons(a, b, panel_map, any_pose)
     return _topology_reasons(a, b, panel_map)
 
 
@@ -358,17 +455,28 @@ def _length_reasons(a: StitchGraph, b: StitchGraph, match: GraphMatch) -> list[s
                 f"panel {x.panel!r}, edges {list(x.edges)}: sewn over {y.length:.2f} cm "
                 f"instead of {x.length:.2f} cm"
             )
-    return reasons or ["stitched lengths agree only if the seams change places"]
+    return reasons
+
+
+def _place_reasons(
+    a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str], any_pose: bool
+) -> list[str]:
+    inside_out = [
+        f"panel {p!r} is inside out"
+        for p, q in panel_map.items()
+        if not _poses(a.panels[p], b.panels[q], any_pose)
+    ]
+    return inside_out or ["seams lie at other places of their panels"]
 
 
 def _topology_reasons(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str]) -> list[str]:
     """What differs, from the coarse to the fine: loops, seams between panels, order round them."""
     reasons = [
-        f"panel {p!r} has {b.loops[q]} loops instead of {a.loops[p]}"
+        f"panel {p!r} has {b.panels[q].loops} loops instead of {a.panels[p].loops}"
         for p, q in panel_map.items()
-        if a.loops[p] != b.loops[q]
+        if a.panels[p].loops != b.panels[q].loops
     ]
-    wanted = Counter(_seam_kind(a, seam, {p: p for p in a.loops}) for seam in a.seams)
+    wanted = Counter(_seam_kind(a, seam, {p: p for p in a.panels}) for seam in a.seams)
     back = {q: p for p, q in panel_map.items()}
     given = Counter(_seam_kind(b, seam, back) for seam in b.seams)
     for kind in sorted(wanted.keys() | given.keys()):
@@ -380,7 +488,7 @@ def _topology_reasons(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, st
     if reasons:
         return reasons
     for p, q in panel_map.items():
-        if _cycles(a, p, {n: n for n in a.loops}) != _cycles(b, q, back):
+        if _cycles(a, p, {n: n for n in a.panels}) != _cycles(b, q, back):
             reasons.append(f"panel {p!r}: seams and gaps follow each other in another order")
     return reasons or ["seams between the same panels are interchanged"]
 
@@ -433,7 +541,7 @@ def seam_agreement(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str])
     for seam in b.seams:
         if all(b.sides[k].panel in back for k in seam):
             left.setdefault(_seam_kind(b, seam, back), []).append(seam)
-    names = {p: p for p in a.loops}
+    names = {p: p for p in a.panels}
     agreeing = 0
     for seam in a.seams:
         rivals = left.get(_seam_kind(a, seam, names), [])

@@ -1,4 +1,4 @@
-"""Is this a pattern that can be sewn? Errors where it cannot, findings where it should be looked at.
+"""Can this pattern be sewn? Errors where it cannot, findings where it should be looked at.
 
 An error is raised at the first fault; a `Finding` is a fact that the pattern's maker should know
 and that does not stop the work.
@@ -15,6 +15,7 @@ from jaxtyping import Float
 from garmentimage.errors import PatternError, StitchError, quoted
 from garmentimage.geometry.polygons import polyline_length
 from garmentimage.pattern.model import (
+    POLYGON_CHORDS,
     Circle,
     Cubic,
     Edge,
@@ -44,6 +45,8 @@ SHORTEST_EDGE = 1e-6
 """Two vertices nearer than this are one place [cm]; real edges go down to 0.0005."""
 THINNEST_PANEL = 1e-7
 """Least area of a panel, as a share of its squared perimeter; a waistband of 1 x 1455 has 2e-4."""
+STRAIGHT_TOL = 1e-6
+"""Breadth of a set of points, as a share of its length, that makes it a line."""
 GRAIN_TOL = 1e-6
 """How far the length of a grain line's direction may be from 1."""
 ARC_TOL = 1e-12
@@ -136,7 +139,8 @@ def check_name(name: str) -> None:
     """A panel's name must be short enough and writable as UTF-8."""
     if len(name) > NAME_LIMIT:
         raise PatternError(
-            f"panel {quoted(name)}: its name has {len(name)} characters; at most {NAME_LIMIT} are taken"
+            f"panel {quoted(name)}: its name has {len(name)} characters; "
+            f"at most {NAME_LIMIT} are taken"
         )
     if any("\ud800" <= c <= "\udfff" for c in name):
         raise PatternError(
@@ -317,12 +321,18 @@ def _check_shape(panel: Panel) -> list[Finding]:
 
 def _check_area(area: float, ring: Float[np.ndarray, "n 2"], place: str) -> None:
     perimeter = polyline_length(ring) + hypot(*(ring[0] - ring[-1]))
-    if abs(area) < THINNEST_PANEL * perimeter**2:
+    if abs(area) < THINNEST_PANEL * perimeter**2 and _on_one_line(ring):
         raise PatternError(f"{place}: has no area; its edges lie on one line")
 
 
+def _on_one_line(ring: Float[np.ndarray, "n 2"]) -> bool:
+    """Unlike an area of 0, which the two halves of a crossed panel may also give."""
+    longer, shorter = np.linalg.svd(ring - ring.mean(axis=0), compute_uv=False)
+    return bool(shorter <= STRAIGHT_TOL * longer)
+
+
 def _check_simple(panel: Panel, rings: list[np.ndarray]) -> None:
-    """No edge crosses or touches another, holes lie inside and apart, cloth is left of all edges."""
+    """No edge meets another, holes lie inside and apart, cloth is on one side of all edges."""
     from shapely import Polygon, is_valid
 
     if not is_valid(Polygon(rings[0], rings[1:])):
@@ -361,9 +371,8 @@ def _crossing_edges(
     after = np.concatenate(
         [np.roll(np.arange(len(r)), -1) + at for r, at in zip(rings, _offsets(rings))]
     )
-    owner = np.repeat(
-        np.arange(len(panel.edges)), [1 if c.is_straight else 16 for c in panel.curves]
-    )
+    chords = [1 if c.is_straight else POLYGON_CHORDS for c in panel.curves]
+    owner = np.repeat(np.arange(len(panel.edges)), chords)
     segments = shapely.linestrings(np.stack([starts, ends], axis=1))
     tree = shapely.STRtree(segments)
     for low in range(0, len(segments), SEGMENT_BLOCK):
@@ -414,7 +423,7 @@ def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
 
 
 def _check_assembly(pattern: Pattern) -> list[Finding]:
-    """Does the garment hang together?"""
+    """What does not hang together."""
     if len(pattern.panels) == 1:
         return []
     if not pattern.stitches:
@@ -471,7 +480,7 @@ def _are(names: Sequence[str]) -> str:
 
 
 def _check_placement(pattern: Pattern) -> list[Finding]:
-    """Do the panels stand around a body, each with its right side out?"""
+    """Panels that do not stand around a body, right side out."""
     if len(pattern.panels) < 2:
         return []
     if not is_placed(pattern):

@@ -26,6 +26,9 @@ from garmentimage.geometry.polygons import signed_area
 
 Vector = tuple[float, float, float]
 
+POLYGON_CHORDS = 16
+"""Chords that stand for a curved edge in `Loop.polygon`."""
+
 
 @dataclass(frozen=True)
 class Quadratic:
@@ -88,7 +91,9 @@ class Loop:
     @cached_property
     def polygon(self) -> Float[np.ndarray, "n 2"]:
         """The loop as a polygon, not closed: straight edges as they are, curves in 16 chords."""
-        return np.concatenate([c.sample(1 if c.is_straight else 16)[:-1] for c in self.curves])
+        return np.concatenate(
+            [c.sample(1 if c.is_straight else POLYGON_CHORDS)[:-1] for c in self.curves]
+        )
 
     @cached_property
     def area(self) -> float:
@@ -182,7 +187,8 @@ class Pattern:
     name: str = ""
     """What to call the garment in messages and pictures: the file's stem. Not part of equality."""
     extra: Mapping[str, Any] = field(default_factory=dict)
-    """What else the file held, by place: "top" (beside "pattern"), "pattern", "properties", "ours"."""
+    """What else the file held, by place: "top" (beside "pattern"), "pattern", "properties", and
+    "ours" (in the field "garmentimage")."""
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Pattern):

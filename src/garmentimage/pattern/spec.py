@@ -89,6 +89,7 @@ ROUNDING_SHORTFALL = 1e-3
 ROTATION_TOL = 1e-4
 """How far a rotation matrix may be from orthonormal."""
 
+PARAMETER_COUNTS = {"quadratic": 1, "cubic": 2, "circle": 3}
 PANEL_FIELDS = ("translation", "rotation", "vertices", "edges")
 WRITTEN_PROPERTIES = {
     "curvature_coords": "relative",
@@ -370,34 +371,24 @@ class _Reader:
             loop, hole_order = self.loop(_object(hole, f"{place}, hole {k}"), name, units, first)
             holes.append(loop)
             order = order + [first + number for number in hole_order]
-        translation = self.placement(data, "translation", place)
-        translation = tuple(units.length(v) for v in translation)
+        tx, ty, tz = (units.length(v) for v in self.placement(data, "translation", place))
         if units.recentre:
             middle = np.mean(outline.vertices, axis=0)
             outline, *holes = (_moved(loop, middle) for loop in (outline, *holes))
             # As every reader of this format does, without turning the offset by the rotation.
-            translation = (
-                translation[0] + float(middle[0]),
-                translation[1] + float(middle[1]),
-                translation[2],
-            )
-        label = data.get("label")
-        known = (
-            PANEL_FIELDS
-            if label is not None and not isinstance(label, str)
-            else (*PANEL_FIELDS, "label")
-        )
+            tx, ty = tx + float(middle[0]), ty + float(middle[1])
+        label, known = _label(data)
         panel = Panel(
             name,
             outline,
             tuple(holes),
-            translation=translation,
+            translation=(tx, ty, tz),
             rotation=self.placement(data, "rotation", place),
-            label=label if isinstance(label, str) else None,
+            label=label,
             grain=self.grain(ours, place),
             notches=_notches(ours, place, order),
             cloth_layer=_integer(ours.get("cloth_layer", 0), f"{place}, cloth_layer"),
-            extra=_without(data, known),
+            extra=_without(data, (*PANEL_FIELDS, *known)),
         )
         return panel, order
 
@@ -464,16 +455,13 @@ class _Reader:
             raise PatternError(
                 f"{where}: has no length (it joins vertex {start} to itself); remove it"
             )
-        label = given.get("label")
-        known: tuple[str, ...] = ("endpoints", "curvature")
-        if label is None or isinstance(label, str):
-            known = (*known, "label")
+        label, known = _label(given)
         return Edge(
             start,
             end,
             self.curvature(given.get("curvature"), vertices[start], vertices[end], units, where),
-            label=label if isinstance(label, str) else None,
-            extra=_without(given, known),
+            label=label,
+            extra=_without(given, ("endpoints", "curvature", *known)),
         )
 
     def curvature(
@@ -496,9 +484,7 @@ class _Reader:
         given = _object(data, f"{where}, curvature")
         kind = given.get("type")
         params = _list(given.get("params"), f"{where}, curvature params")
-        wanted = {"quadratic": 1, "cubic": 2, "circle": 3}.get(
-            kind if isinstance(kind, str) else ""
-        )
+        wanted = PARAMETER_COUNTS.get(kind) if isinstance(kind, str) else None
         if wanted is None:
             raise PatternError(
                 f"{where}: curvature type {_shown(kind)} is not known; "
@@ -617,7 +603,7 @@ class _Reader:
 
 
 def _chained(edges: Sequence[Edge], name: str, first: int) -> list[tuple[int, bool]]:
-    """Follow the edges from vertex to vertex, starting along edge 0, in either direction of each."""
+    """Follow the edges from vertex to vertex, starting along edge 0; True: walked backwards."""
     at: dict[int, list[int]] = {}
     for k, edge in enumerate(edges):
         at.setdefault(edge.start, []).append(k)
@@ -638,7 +624,7 @@ def _chained(edges: Sequence[Edge], name: str, first: int) -> list[tuple[int, bo
     while len(chain) < len(edges):
         k = next((k for k in at[here] if k != chain[-1][0]), 0)
         if k == 0:
-            missed = next(k for k in range(len(edges)) if k not in {old for old, _ in chain})
+            missed = min(set(range(len(edges))) - {old for old, _ in chain})
             raise PatternError(
                 f"{edge_place(name, first + missed)}: belongs to a second loop; a panel has one "
                 "outline (make it a panel of its own, or a hole)"
@@ -664,6 +650,14 @@ def _turned(edge: Edge) -> Edge:
 
 def _seen_from_end(control: Point) -> Point:
     return 1 - control[0], -control[1]
+
+
+def _label(data: Mapping[str, Any]) -> tuple[str | None, tuple[str, ...]]:
+    """The label, and the field if it is one that we understand; others stay as they are."""
+    label = data.get("label")
+    if label is None or isinstance(label, str):
+        return label, ("label",)
+    return None, ()
 
 
 def _moved(loop: Loop, middle: np.ndarray) -> Loop:

@@ -296,8 +296,8 @@ def _compact(  # type: ignore[no-untyped-def]
         else:
             weight[v] = 1e-3
             target[v] = place[v]
-    # Arcs ask for grid edges along their main direction: two where a parallel arc must stay
-    # apart (no choice), more for the shape (a spring).
+    # Arcs keep grid edges along their main direction: one, or two where a parallel arc must stay
+    # apart; for the shape they would like more (a spring).
     rows = np.empty((len(hard) + 2 * arcs, 3))
     stiff = np.zeros(len(hard) + 2 * arcs)
     m = len(hard)
@@ -312,7 +312,7 @@ def _compact(  # type: ignore[no-untyped-def]
             u, v = v, u
         if u != v and mine > 0:
             straight = mine >= others
-            if straight and least[i] > 1:
+            if straight:
                 rows[m, 0], rows[m, 1], rows[m, 2] = u, v, min(least[i], mine)
                 m += 1
             # Fades where the arc runs diagonally: half of its edges then lie on each axis.

@@ -4,7 +4,7 @@ Geometry and stitches come from the channels alone. Marks, where the image has t
 panels their names, frames and places back, and join the parts of split panels again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -49,6 +49,8 @@ LAYER_STEP_CM = 3.0
 """How much farther out each further pair of layers is placed."""
 
 ORTHOGONAL_TOL = 1e-3
+
+_SAMPLES = np.arange(16) / 16
 
 EFFORTS = (
     # (keep chords, sew up overlapping slits, pull towards the undeformed grid)
@@ -173,9 +175,7 @@ def _marks_of_clusters(
     marks: list[PanelMark | None] = [None] * count
     for mark in image.marks:
         row, col = mark.cell
-        if not (
-            0 <= mark.layer < image.layers and 0 <= row < image.grid and 0 <= col < image.grid
-        ):
+        if not (0 <= mark.layer < image.layers and 0 <= row < image.grid and 0 <= col < image.grid):
             continue
         k = int(labels[mark.layer, row, col])
         if k >= 0 and marks[k] is None:
@@ -209,32 +209,45 @@ def _assemble(
 
     chords = np.array([EFFORTS[e][0] for e in effort])
     loops, stitches = _cut_edges(boundary, chords)
-    members: dict[int, list[list[int]]] = {}
+    polygons = [_polygon(edges) for edges in loops]
+    areas = [abs(signed_area(p)) for p in polygons]
+    members: dict[int, list[int]] = {}
     for index, loop in enumerate(boundary.loops):
-        members.setdefault(int(whole[boundary.cluster[loop[0]]]), []).append([index])
+        members.setdefault(int(whole[boundary.cluster[loop[0]]]), []).append(index)
     names = panel_names(image, clusters, marks, whole)
     panels, crossing = [], np.zeros(len(clusters), bool)
-    edge_place: dict[tuple[int, int], Side] = {}
-    for k, indices in sorted(members.items()):
-        own = [loops[i[0]] for i in indices]
-        order = sorted(range(len(own)), key=lambda i: -abs(signed_area(_polygon(own[i]))))
-        polygons = [_polygon(own[i]) for i in order]
-        crossing[whole == k] = _is_crossing(polygons)
+    edge_place: dict[int, tuple[str, int]] = {}
+    for k in sorted(members):
+        order = sorted(members[k], key=lambda i: -areas[i])
+        crossing[whole == k] = _is_crossing([polygons[i] for i in order])
         first = 0
         for i in order:
-            for n in range(len(own[i])):
-                edge_place[(indices[i][0], n)] = Side(names[k], first + n)
-            first += len(own[i])
+            edge_place[i] = names[k], first
+            first += len(loops[i])
+        outline = polygons[order[0]]
+        mark, joined = marks[k], bool((whole == k).sum() > 1)
+        move = np.zeros(2)
+        if mark is not None and not joined:
+            move = np.array(mark.anchor) - centroid(outline)
         panels.append(
             _place_panel(
-                names[k], [own[i] for i in order], clusters[k], marks[k], matrices[k], shifts[k],
-                joined=bool((whole == k).sum() > 1),
+                names[k],
+                [_moved(loop_from_curves(loops[i]), move) for i in order],
+                clusters[k],
+                mark,
+                matrices[k],
+                shifts[k] - matrices[k] @ move,
             )
         )
     if crossing.any():
         return Pattern(()), crossing
-    sewn = tuple(Stitch(edge_place[a], edge_place[b]) for a, b in stitches)
+    sewn = tuple(Stitch(_side(edge_place, a), _side(edge_place, b)) for a, b in stitches)
     return Pattern(tuple(panels), sewn, image.name), crossing
+
+
+def _side(place: Mapping[int, tuple[str, int]], edge: tuple[int, int]) -> Side:
+    name, first = place[edge[0]]
+    return Side(name, first + edge[1])
 
 
 def _to_panel_frames(
@@ -249,15 +262,15 @@ def _to_panel_frames(
     """
     tail, head = boundary.tail.copy(), boundary.head.copy()
     shifts: list[np.ndarray] = [np.zeros(2)] * len(matrices)
-    loops: dict[int, list[int]] = {}
+    outlines: dict[int, list[int]] = {}
     for loop in boundary.loops:
         k = int(boundary.cluster[loop[0]])
-        if abs(signed_area(tail[loop])) > abs(signed_area(tail[loops.get(k, loop[:1])])):
-            loops[k] = loop
+        if k not in outlines or abs(signed_area(tail[loop])) > abs(signed_area(tail[outlines[k]])):
+            outlines[k] = loop
     for k, (matrix, mark) in enumerate(zip(matrices, marks, strict=True)):
         anchor = np.zeros(2) if mark is None else np.array(mark.anchor, float)
         own = boundary.cluster == k
-        middle = centroid(tail[loops[k]]) if k in loops else tail[own].mean(axis=0)
+        middle = centroid(tail[outlines[k]])
         shifts[k] = middle - matrix @ anchor
         tail[own] = (tail[own] - shifts[k]) @ matrix
         head[own] = (head[own] - shifts[k]) @ matrix
@@ -298,9 +311,7 @@ def _cut_edges(
         keep |= bool(chords[boundary.cluster[other]].any())
         parts = cut_run((points, facing), chords=keep)
         cut[k] = [Part(p.first, p.last, p.curves[:1]) for p in parts]
-        cut[partner] = [
-            Part(p.first, p.last, (p.curves[1].reversed(),)) for p in reversed(parts)
-        ]
+        cut[partner] = [Part(p.first, p.last, (p.curves[1].reversed(),)) for p in reversed(parts)]
         sewn_to[k] = partner
 
     place: dict[int, tuple[int, int]] = {}
@@ -311,7 +322,7 @@ def _cut_edges(
             place[k] = (index, len(curves))
             curves.extend(p.curves[0] for p in cut[k])
         edges.append(curves)
-    stitches = []
+    stitches: list[tuple[tuple[int, int], tuple[int, int]]] = []
     for k, partner in sewn_to.items():
         (loop_a, a), (loop_b, b) = place[k], place[partner]
         count = len(cut[k])
@@ -327,7 +338,9 @@ def _run_starts(boundary: Boundary, loops: Sequence[Sequence[int]]) -> Bool[np.n
             continue
         d = boundary.head[loop] - boundary.tail[loop]
         before = np.roll(d, 1, axis=0)
-        turn = np.abs(np.arctan2(before[:, 0] * d[:, 1] - before[:, 1] * d[:, 0], (before * d).sum(1)))
+        turn = np.abs(
+            np.arctan2(before[:, 0] * d[:, 1] - before[:, 1] * d[:, 0], (before * d).sum(1))
+        )
         k = loop[int(np.argmax(turn))]
         starts[k] = True
         partner = boundary.partner[boundary.preceding[k]]
@@ -338,28 +351,21 @@ def _run_starts(boundary: Boundary, loops: Sequence[Sequence[int]]) -> Bool[np.n
 
 def _place_panel(
     name: str,
-    loops: Sequence[Sequence[Curve]],
+    loops: Sequence[Loop],
     cluster: Cluster,
     mark: PanelMark | None,
     matrix: Float[np.ndarray, "2 2"],
     shift: Float[np.ndarray, " 2"],
-    *,
-    joined: bool,
 ) -> Panel:
     """One panel in its frame and its place round the body."""
-    outline, *holes = (loop_from_curves(list(curves)) for curves in loops)
-    if mark is not None and not joined:
-        move = np.array(mark.anchor) - centroid(outline.polygon)
-        outline, *holes = (_moved(loop, move) for loop in (outline, *holes))
-        shift = shift - matrix @ move
     turn = np.zeros((3, 3))
     turn[:2, :2], turn[2, 2] = matrix, np.linalg.det(matrix)
     depth = cluster.outward * (DEPTH_CM + LAYER_STEP_CM * (cluster.layer // 2))
     rotation, translation = euler_angles(turn), (float(shift[0]), float(shift[1]), depth)
     return Panel(
         name,
-        outline,
-        tuple(holes),
+        loops[0],
+        tuple(loops[1:]),
         translation if mark is None or mark.translation is None else mark.translation,
         rotation if mark is None or mark.rotation is None else mark.rotation,
         label=None if mark is None else mark.label,
@@ -377,7 +383,9 @@ def _moved(loop: Loop, move: Float[np.ndarray, " 2"]) -> Loop:
 
 
 def _polygon(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
-    return np.concatenate([c.sample(1 if c.is_straight else 16)[:-1] for c in curves])
+    return np.concatenate(
+        [np.array([c.start]) if c.is_straight else c.at(_SAMPLES) for c in curves]
+    )
 
 
 def _is_crossing(polygons: Sequence[np.ndarray]) -> bool:
@@ -424,7 +432,10 @@ def _touches(points, onward):  # type: ignore[no-untyped-def]
             if onward[i] == j or onward[j] == i:
                 # Neighbours share a point; they touch elsewhere only where one folds back.
                 ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
-                if abs(ux * vy - uy * vx) < 1e-9 * (abs(ux * vx + uy * vy)) and ux * vx + uy * vy < 0:
+                if (
+                    abs(ux * vy - uy * vx) < 1e-9 * (abs(ux * vx + uy * vy))
+                    and ux * vx + uy * vy < 0
+                ):
                     return True
                 continue
             s1 = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)

@@ -13,7 +13,7 @@ import numpy as np
 from garmentimage.errors import EncodeError
 from garmentimage.geometry.polygons import centroid, resample, signed_area
 from garmentimage.pattern.model import Pattern
-from garmentimage.raster.cells import cell_mesh
+from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.compact import compact
 from garmentimage.raster.complex import SeamComplex, seam_complex
 from garmentimage.raster.deform import deform_quad_mesh
@@ -38,15 +38,17 @@ LARGER_GRIDS = (24, 32, 48, 64)
 """Grids that are tried to say which one would do."""
 
 
-def encode(pattern: Pattern, grid: int = 16) -> GarmentImage:
+def encode(pattern: Pattern, grid: int = 16, *, frame: BodyFrame | None = None) -> GarmentImage:
     """Draw a sewing pattern on the grid.
 
     Args:
         pattern: the garment; placement decides which layer a panel lies on.
         grid: cells along each side, N.
+        frame: where the grid lies on the body; default: the standard frame of this grid, which
+            is what makes images of different garments comparable.
 
     Returns:
-        A valid image in the standard body frame, the same for the same pattern every time.
+        A valid image, the same for the same pattern every time.
 
     Raises:
         PatternError: the pattern is not sound.
@@ -55,14 +57,16 @@ def encode(pattern: Pattern, grid: int = 16) -> GarmentImage:
     if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
         raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
     complex_ = seam_complex(place(pattern))
+    if frame is not None:
+        return _encode(pattern, complex_, frame)
     try:
-        return _encode(pattern, complex_, grid)
+        return _encode(pattern, complex_, BodyFrame.standard(grid))
     except EncodeError as error:
         for larger in LARGER_GRIDS:
             if larger <= grid:
                 continue
             try:
-                _encode(pattern, complex_, larger)
+                _encode(pattern, complex_, BodyFrame.standard(larger))
             except EncodeError:
                 continue
             raise EncodeError(
@@ -71,8 +75,7 @@ def encode(pattern: Pattern, grid: int = 16) -> GarmentImage:
         raise
 
 
-def _encode(pattern: Pattern, complex_: SeamComplex, grid: int) -> GarmentImage:
-    frame = BodyFrame.standard(grid)
+def _encode(pattern: Pattern, complex_: SeamComplex, frame: BodyFrame) -> GarmentImage:
     first: EncodeError | None = None
     for layout in layouts(complex_):
         for paths in _drawings(layout, frame):
@@ -89,21 +92,17 @@ def _encode(pattern: Pattern, complex_: SeamComplex, grid: int) -> GarmentImage:
 def _drawings(layout: Layout, frame: BodyFrame) -> Iterator[list[Path] | EncodeError]:
     """Lattice paths of the arcs, best attempt first; failures as they come."""
     whole = drawing_of(layout, frame)
-    mirror = find_mirror(layout)
+    mirror = find_mirror(layout) if frame.is_symmetric else None
     half = halve(whole, mirror) if mirror is not None else None
-    for factor, radius in ATTEMPTS:
-        fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
-        if half is not None:
+    for part in (half, None) if half is not None else (None,):
+        for factor, radius in ATTEMPTS:
+            fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
             try:
-                drawing = with_links(half.drawing)
-                yield half.unfold(joined_links(drawing, lattice_paths(drawing, fine, radius)))
+                drawing = with_links(whole if part is None else part.drawing)
+                paths = joined_links(drawing, lattice_paths(drawing, fine, radius))
+                yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
                 yield error
-        try:
-            drawing = with_links(whole)
-            yield joined_links(drawing, lattice_paths(drawing, fine, radius))
-        except EncodeError as error:
-            yield error
 
 
 def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
@@ -132,6 +131,7 @@ def _image(
     panels = complex_.placed.panels
     edge_type = _edge_types(complex_, paths, frame.grid)
     owner = _fill_panels(complex_, paths, frame.grid)
+    _check_clusters(complex_, owner, edge_type)
     deformation = np.zeros((2, 4, 2, frame.grid, frame.grid), np.float32)
     marks = []
     for i, panel in enumerate(panels):
@@ -189,6 +189,17 @@ def _fill_panels(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndar
             )
         owner[panel.layer][mask] = i
     return owner
+
+
+def _check_clusters(complex_: SeamComplex, owner: np.ndarray, edge_type: np.ndarray) -> None:
+    """Every panel must be one cluster of its own, as decoding will see it."""
+    labels, count = label_panels(owner >= 0, edge_type)
+    pairs = {(int(a), int(b)) for a, b in zip(owner[owner >= 0], labels[owner >= 0])}
+    if not len(pairs) == count == len(complex_.placed.panels):
+        panels = complex_.placed.panels
+        parts = [a for a, _ in pairs]
+        torn = next((a for a in parts if parts.count(a) > 1), 0)
+        raise EncodeError(f"panel {panels[torn].source!r} does not stay in one piece on the grid")
 
 
 def _deform(

@@ -24,6 +24,12 @@ from garmentimage.raster.arrays import (
     parse_npz,
     read_file,
 )
+from garmentimage.raster.channel_order import (
+    ChannelOrder,
+    channels_from_authors,
+    order_of,
+    to_authors,
+)
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import (
     GRID_LIMITS,
@@ -31,12 +37,6 @@ from garmentimage.raster.image import (
     EdgeType,
     GarmentImage,
     check_channels,
-)
-from garmentimage.raster.channel_order import (
-    ChannelOrder,
-    channels_from_authors,
-    order_of,
-    to_authors,
 )
 from garmentimage.raster.marks import mark_from_json, mark_to_json, read_text
 

@@ -60,10 +60,23 @@ class BodyFrame:
         columns = np.interp(lines, full_column, full_x)
         return cls(tuple(map(float, columns)), tuple(map(float, rows)))
 
+    @classmethod
+    def uniform(cls, grid: int, cell: float, *, left: float, bottom: float) -> "BodyFrame":
+        """Square cells of `cell` cm whose lower left corner lies at (left, bottom) [cm]."""
+        return cls(
+            tuple(left + cell * k for k in range(grid + 1)),
+            tuple(bottom + cell * k for k in range(grid + 1)),
+        )
+
     @property
     def grid(self) -> int:
         """Cells along each side, N."""
         return len(self.columns) - 1
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the body's axis is the middle grid line and both sides are alike."""
+        return all(a == -b for a, b in zip(self.columns, reversed(self.columns)))
 
     def to_lattice(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Body positions [cm] as lattice coordinates; beyond the grid the last cell goes on."""

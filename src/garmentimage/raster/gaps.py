@@ -47,19 +47,22 @@ class _Chain:
 
 
 def facing_rows(
-    complex: SeamComplex, samples: Samples, rest: Float[np.ndarray, "r 2"], gap: float, chord: bool
+    complex: SeamComplex, samples: Samples, gap: float, chord: bool
 ) -> Rows:
     """Wishes that facing boundaries open up to `gap` [cm].
+
+    Two boundaries face each other where the cloth lies on their far sides. That is judged where
+    the panels hang on the body, before they are brought together: only there a boundary on the
+    wrong side of another (the outer sides of a hood's halves) shows.
 
     Args:
         complex: the garment.
         samples: its samples.
-        rest: their rest positions [cm].
         gap: width of a fully opened gap [cm].
         chord: judge directions by chords from the node instead of tangents.
     """
     meeting: dict[tuple[int, int], list[_Chain]] = {}
-    for layer, chain in _chains(complex, samples, rest):
+    for layer, chain in _chains(complex, samples):
         meeting.setdefault((layer, int(chain.ids[0])), []).append(chain)
     parts = [
         rows
@@ -72,9 +75,7 @@ def facing_rows(
     return Rows.joined(parts) if parts else Rows.none()
 
 
-def _chains(
-    complex: SeamComplex, samples: Samples, rest: np.ndarray
-) -> Iterator[tuple[int, _Chain]]:
+def _chains(complex: SeamComplex, samples: Samples) -> Iterator[tuple[int, _Chain]]:
     """Every chain, with its layer."""
     per_edge = INNER + 1
     for i, panel in enumerate(complex.placed.panels):
@@ -95,7 +96,7 @@ def _chains(
                     at = (begin * per_edge + step * np.arange(run * per_edge + 1)) % (
                         count * per_edge
                     )
-                    points = rest[here][at]
+                    points = samples.rest[here][at]
                     steps = np.hypot(*np.diff(points, axis=0).T)
                     yield panel.layer, _Chain(
                         panel=i,
@@ -138,8 +139,9 @@ def _wedge(a: _Chain, b: _Chain, gap: float, chord: bool) -> Iterator[Rows]:
     lean = (size[:, 0] - size[:, 1]) / np.maximum(size.sum(axis=1), 1e-9)
     for axis, share in ((0, ramp(lean, -AXIS_BLEND, AXIS_BLEND)), (1, 1 - ramp(lean, -AXIS_BLEND, AXIS_BLEND))):
         sign = np.where(apart[:, axis] >= 0, 1.0, -1.0)
-        behind = sign * offset[:, axis]
-        sane = np.maximum(ramp(behind, SURELY_BEHIND, NOT_BEHIND), ramp(s, *NEAR_NODE))
+            behind = sign * offset[:, axis]
+        sane = ramp(behind, *(NARROW_BEHIND if narrow else BEHIND)) 
+        sane = np.maximum(sane, ramp(s, *NEAR_NODE))
         weight = ROW_WEIGHT * span * taper * share
         weight = weight * np.minimum.accumulate(np.minimum(reached, np.where(share > 0, sane, 1.0)))
         (use,) = np.nonzero(weight > LEAST_WEIGHT)

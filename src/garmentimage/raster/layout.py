@@ -117,7 +117,7 @@ class _Desk:
         shifts = gather(self.complex.placed, self.stiffness, step.membranes)
         rest = self.samples.rest + np.repeat(shifts, np.diff(self.samples.start), axis=0)
         base = energy(self.complex, self.samples, rest, self.stiffness, step.membranes)
-        facing = facing_rows(self.complex, self.samples, rest, step.gap, step.chord)
+        facing = facing_rows(self.complex, self.samples, step.gap, step.chord)
         soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
         turned = partial(
             turned_load,

@@ -120,7 +120,9 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
     beside = number[layer, row + 1 + step[:, 0], col + 1 + step[:, 1], (side + 2) % 4]
     other = layer ^ 1
     opposite = np.where(
-        other < image.layers, number[np.minimum(other, image.layers - 1), row + 1, col + 1, side], NONE
+        other < image.layers,
+        number[np.minimum(other, image.layers - 1), row + 1, col + 1, side],
+        NONE,
     )
     opposite[kind[opposite] != EdgeType.FRONT_TO_BACK] = NONE
     partner = np.full(count, NONE)
@@ -130,7 +132,12 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
     preceding = np.empty(count, np.int64)
     preceding[onward] = np.arange(count)
     return Boundary(
-        np.concatenate(owner), np.concatenate(tails), np.concatenate(heads), partner, onward, preceding
+        np.concatenate(owner),
+        np.concatenate(tails),
+        np.concatenate(heads),
+        partner,
+        onward,
+        preceding,
     )
 
 
@@ -197,7 +204,9 @@ def _nearest_seam(boundary: Boundary, first: int, second: int, whole: np.ndarray
             run.append(n)
         other = boundary.partner[run]
         gap = np.hypot(*(boundary.tail[run] - boundary.head[other]).T)
-        gap = np.concatenate([gap, [np.hypot(*(boundary.head[run[-1]] - boundary.tail[other[-1]]))]])
+        gap = np.concatenate(
+            [gap, [np.hypot(*(boundary.head[run[-1]] - boundary.tail[other[-1]]))]]
+        )
         best = min(best, (float(gap.mean()), run))
     return best[1]
 

@@ -40,8 +40,8 @@ LAYER_DEPTH = 5.0
 DEPTH_DEAD_ZONE = 1.0
 """Panels nearer to the middle plane than this [cm] take their layer from their outer face."""
 
-UPRIGHT_ANGLE = 62.0
-"""Panels turned by more than this [degrees] in the picture plane lie across, others upright."""
+PLAIN_ANGLE = 12.0
+"""Panels turned by less than this [degrees] from upright or lying are meant so."""
 
 AXIS_CLEARANCE = 1.0
 """Distance that the halves of a side panel keep from the body's axis [cm]."""
@@ -110,7 +110,8 @@ def place(pattern: Pattern) -> Placed:
     for piece in cloth.pieces:
         piece.layer = _layer(cloth, piece, middle)
     split_wrapping(cloth, middle)
-    poses = {id(p): _pose(cloth, p) for p in cloth.pieces}
+    matrices = _matrices(cloth)
+    poses = {id(p): (m, _offset(cloth, p, m)) for p, m in zip(cloth.pieces, matrices)}
     pieces = sorted(cloth.pieces, key=lambda p: _place_key(cloth, p))
     where = {
         edge: (i, k) for i, p in enumerate(pieces) for k, edge in enumerate(_flat(p.loops))
@@ -155,52 +156,119 @@ def middle_depth(cloth: Cloth) -> float:
 def _layer(cloth: Cloth, piece: Piece, middle: float) -> int:
     depth = cloth.centre(piece)[2] - middle
     if abs(depth) < DEPTH_DEAD_ZONE and abs(piece.rotation[2, 2]) > FRONTAL:
-        depth = piece.rotation[2, 2] * signed_area(cloth.polygon(piece))
+        depth = _outward(cloth, piece)[2]
     return FRONT if depth >= 0 else BACK
 
 
-def _pose(cloth: Cloth, piece: Piece) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix and offset that take the panel's own frame to the layout."""
-    rotation = piece.rotation
-    own, world = centroid(cloth.polygon(piece)), cloth.centre(piece)
-    edge_on = piece.half or abs(rotation[2, 2]) < EDGE_ON
-    matrix = _unrolled(rotation, piece.layer, world) if edge_on else _upright(rotation)
-    offset = world[:2] - matrix @ own
-    if piece.half and _faces_sideways(rotation):
-        side = 1.0 if world[0] >= 0 else -1.0
-        nearest = (side * (cloth.polygon(piece) @ matrix[0] + offset[0])).min()
+def _matrices(cloth: Cloth) -> list[np.ndarray]:
+    """For every piece the 2 x 2 matrix that takes its own frame to the layout.
+
+    A panel that hangs askew (a sleeve, and its cuff) is turned to the upright or the lying
+    position nearest to it. Where it is not plain which of the two is meant, its seams with panels
+    of known position decide, those with the longest seams first.
+    """
+    matrices: dict[int, np.ndarray] = {}
+    askew: dict[int, list[np.ndarray]] = {}
+    for i, piece in enumerate(cloth.pieces):
+        if piece.half or abs(piece.rotation[2, 2]) < EDGE_ON:
+            matrices[i] = _unrolled(cloth, piece)
+            continue
+        choices = _upright(piece.rotation)
+        if len(choices) == 1:
+            matrices[i] = choices[0]
+        else:
+            askew[i] = choices
+    links = _links(cloth) if askew else []
+    while askew:
+        known = {i: [k for k in links if k[0] == i and k[1] in matrices] for i in askew}
+        i = max(askew, key=lambda i: (sum(k[4] for k in known[i]), -_lean(cloth, cloth.pieces[i])))
+        matrices[i] = max(askew.pop(i), key=lambda m: _agreement(m, known[i], matrices))
+    return [matrices[i] for i in range(len(cloth.pieces))]
+
+
+Link = tuple[int, int, np.ndarray, np.ndarray, float]
+"""Piece, partner, chord of the seam's side on each, pointing the same way, and its length."""
+
+
+def _links(cloth: Cloth) -> list[Link]:
+    """Every seam, once from each side."""
+    owner = {e: i for i, p in enumerate(cloth.pieces) for e in _flat(p.loops)}
+    links = []
+    for edge, (other, crossed) in cloth.sewn.items():
+        mine = cloth.curves[edge][-1] - cloth.curves[edge][0]
+        theirs = cloth.curves[other][-1] - cloth.curves[other][0]
+        size = float(np.hypot(*mine))
+        links.append((owner[edge], owner[other], mine, -theirs if crossed else theirs, size))
+    return links
+
+
+def _agreement(
+    matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]
+) -> float:
+    """How well the sides of a piece point the way of the sides that they are sewn to [cm]."""
+    agreement = 0.0
+    for _, partner, mine, theirs, size in links:
+        along = matrix @ mine @ (matrices[partner] @ theirs)
+        agreement += along * size / (np.hypot(*mine) * np.hypot(*theirs) + 1e-9)
+    return agreement
+
+
+def _lean(cloth: Cloth, piece: Piece) -> float:
+    x, y, z = cloth.centre(piece)
+    return float(y + GENERIC_SLOPE * x + GENERIC_SLOPE**2 * z)
+
+
+def _offset(cloth: Cloth, piece: Piece, matrix: np.ndarray) -> np.ndarray:
+    """Where the origin of the panel's own frame lies in the layout."""
+    polygon = cloth.polygon(piece)
+    world = cloth.centre(piece)
+    offset = world[:2] - matrix @ centroid(polygon)
+    if piece.half and _faces_sideways(piece.rotation):
+        side = np.sign(_outward(cloth, piece)[0])
+        nearest = (side * (polygon @ matrix[0] + offset[0])).min()
         offset = offset + np.array([side * max(AXIS_CLEARANCE - nearest, 0.0), 0.0])
-    return matrix, offset
+    return offset
 
 
-def _upright(rotation: np.ndarray) -> np.ndarray:
-    """The nearest picture-plane pose, turned to the nearest upright or lying position.
+def _outward(cloth: Cloth, piece: Piece) -> np.ndarray:
+    """Unit normal of the panel's outer face: seen from there its outline runs counter-clockwise."""
+    return piece.rotation[:, 2] * np.sign(signed_area(cloth.polygon(piece)))
 
-    Paper, Section 3.2, asks for panels aligned by hand; the snap makes an A-pose sleeve a T-pose
-    sleeve. Real panels are turned by 46 degrees or less, or by 88 or more.
+
+def _upright(rotation: np.ndarray) -> list[np.ndarray]:
+    """The picture-plane poses a panel may be meant in, upright or lying, nearest first.
+
+    Paper, Section 3.2, asks for panels aligned by hand; this makes an A-pose sleeve a T-pose
+    sleeve. There is no choice for a panel turned by less than `PLAIN_ANGLE` from such a pose.
     """
     near = _nearest_orthogonal(rotation[:2, :2])
     mirror = np.diag([1.0 if np.linalg.det(near) > 0 else -1.0, 1.0])
     turn = near @ mirror
     angle = np.rad2deg(np.arctan2(turn[1, 0], turn[0, 0]))
-    if abs(angle) <= UPRIGHT_ANGLE:
-        snapped = np.eye(2)
-    elif abs(angle) >= 180 - UPRIGHT_ANGLE:
-        snapped = -np.eye(2)
+    below = np.floor(angle / 90)
+    beyond = angle / 90 - below
+    if beyond * 90 < PLAIN_ANGLE:
+        quarters = [below]
+    elif beyond * 90 > 90 - PLAIN_ANGLE:
+        quarters = [below + 1]
     else:
-        snapped = np.sign(angle) * np.array([[0.0, -1.0], [1.0, 0.0]])
-    return snapped @ mirror
+        quarters = [below, below + 1] if beyond < 0.5 else [below + 1, below]
+    return [_quarter_turns(int(q)) @ mirror for q in quarters]
 
 
-def _unrolled(rotation: np.ndarray, layer: int, world: np.ndarray) -> np.ndarray:
+def _quarter_turns(count: int) -> np.ndarray:
+    cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[count % 4]
+    return np.array([[cos, -sin], [sin, cos]], float)
+
+
+def _unrolled(cloth: Cloth, piece: Piece) -> np.ndarray:
     """An edge-on panel laid flat: what is deep in the body goes outward, away from its axis."""
-    outward = -1.0 if layer == FRONT else 1.0
+    rotation, outward = piece.rotation, _outward(cloth, piece)
+    deep = -1.0 if piece.layer == FRONT else 1.0
     if _faces_sideways(rotation):
-        side = 1.0 if world[0] >= 0 else -1.0
-        rows = [side * outward * rotation[2, :2], rotation[1, :2]]
+        rows = [np.sign(outward[0]) * deep * rotation[2, :2], rotation[1, :2]]
     else:
-        up = 1.0 if world[1] >= 0 else -1.0
-        rows = [rotation[0, :2], outward * up * rotation[2, :2]]
+        rows = [rotation[0, :2], np.sign(outward[1]) * deep * rotation[2, :2]]
     return _nearest_orthogonal(np.stack(rows))
 
 
@@ -236,8 +304,7 @@ def _flat(loops: list[list[int]]) -> list[int]:
 
 def _place_key(cloth: Cloth, piece: Piece) -> tuple[int, float, str]:
     """Where a panel stands in every list: by layer and place, so that file order cannot matter."""
-    x, y, z = cloth.centre(piece)
-    return piece.layer, float(y + GENERIC_SLOPE * x + GENERIC_SLOPE**2 * z), piece.name
+    return piece.layer, _lean(cloth, piece), piece.name
 
 
 GENERIC_SLOPE = 0.381966

@@ -13,7 +13,7 @@ even from two or three chords, and with it the seam's length.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from numba import njit
 
 from garmentimage.geometry.curves import Bezier, Curve, Line
@@ -30,15 +30,25 @@ QUADRATIC_TOL_CM = 0.05
 QUADRATIC_TOL_SHARE = 0.0015
 """A quadratic curve this near is taken before a cubic is tried."""
 
-CORNER = np.deg2rad(50.0)
+CORNER = np.deg2rad(60.0)
 """A turn between two chords that is a corner wherever it stands."""
 
 SHARP_TURN = np.deg2rad(12.0)
 SHARP_FACTOR = 3.0
 """A turn beyond the first is a corner too if it is this many times the turns beside it."""
 
+EVEN_CHORDS = 0.9
+"""Chords of one edge are about equally long. Where two differ more than this, and a seam end leaves
+nothing to compare their turn with, two edges meet."""
+
+FULL_FIT_CHORDS = 4
+"""From this many chords on, a curve through all of them is proof that there is no corner."""
+
 STRETCH_LIMIT = 1.2
 """A fitted curve longer than this many times its polyline has swung out: it is refused."""
+
+CHORD_SHARE = 0.2
+"""A run that comes back this near to its start, as a share of its length, is two curves or more."""
 
 _FIT_ROUNDS = 5
 _TABLE = 48
@@ -63,8 +73,9 @@ def cut_run(sides: tuple[Float[np.ndarray, "n 2"], ...], *, chords: bool = False
     count = len(sides[0])
     if chords or count == 2:
         return [_chord(sides, k) for k in range(count - 1)]
-    turns = np.max([_turns(s) for s in sides], axis=0)
-    corners = np.any([_corners(s) for s in sides], axis=0)
+    looks = [_look(np.ascontiguousarray(s)) for s in sides]
+    turns = np.maximum(looks[0][0], looks[-1][0])
+    corners = np.logical_or(looks[0][1], looks[-1][1])
     cuts = [0, *(np.flatnonzero(corners) + 1).tolist(), count - 1]
     parts: list[Part] = []
     for first, last in zip(cuts[:-1], cuts[1:], strict=True):
@@ -110,20 +121,34 @@ def _point(xy: np.ndarray) -> tuple[float, float]:
     return float(xy[0]), float(xy[1])
 
 
-def _turns(points: np.ndarray) -> Float[np.ndarray, " inner"]:
-    """How far the polyline turns at each inner point [radians], unsigned."""
-    d = np.diff(points, axis=0)
-    cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
-    return np.abs(np.arctan2(cross, (d[:-1] * d[1:]).sum(axis=1)))
-
-
-def _corners(points: np.ndarray) -> Bool[np.ndarray, " inner"]:
-    """Which inner points of a run are true corners."""
-    turns = _turns(points)
-    padded = np.concatenate([[0.0], turns, [0.0]])
-    beside = np.maximum(padded[:-2], padded[2:])
-    sharp = (turns > SHARP_TURN) & (turns > SHARP_FACTOR * beside) & (len(turns) > 1)
-    return (turns > CORNER) | sharp
+@njit(cache=True)
+def _look(points):  # type: ignore[no-untyped-def]
+    """How far the polyline turns at each inner point [radians], and whether that is a corner."""
+    inner = len(points) - 2
+    turns = np.zeros(inner)
+    corners = np.zeros(inner, np.bool_)
+    chords = np.zeros(inner + 1)
+    for k in range(inner + 1):
+        chords[k] = np.hypot(points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1])
+    for k in range(inner):
+        ax, ay = points[k + 1] - points[k]
+        bx, by = points[k + 2] - points[k + 1]
+        turns[k] = abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+    suspect = False
+    for k in range(inner):
+        at_end = k == 0 or k == inner - 1
+        beside = max(turns[k - 1] if k > 0 else 0.0, turns[k + 1] if k + 1 < inner else 0.0)
+        even = min(chords[k], chords[k + 1]) > EVEN_CHORDS * max(chords[k], chords[k + 1])
+        sharp = turns[k] > SHARP_TURN and turns[k] > SHARP_FACTOR * beside
+        corners[k] = turns[k] > CORNER or (sharp and not (at_end and even))
+        suspect = suspect or corners[k]
+    if suspect and inner + 1 >= FULL_FIT_CHORDS:
+        shares, length = _shares(points)
+        if length > 0.0:
+            error = _fit_bezier(points, shares, length, 1, np.zeros((2, 2)))
+            if error <= max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length):
+                corners[:] = False
+    return turns, corners
 
 
 @njit(cache=True)
@@ -131,7 +156,8 @@ def _fit(points):  # type: ignore[no-untyped-def]
     """Number of control points (-1: no curve will do) and the control points."""
     controls = np.zeros((2, 2))
     shares, length = _shares(points)
-    if length <= 0.0:
+    chord = np.hypot(points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1])
+    if chord <= CHORD_SHARE * length:
         return -1, controls
     if _line_error(points) <= max(LINE_TOL_CM, LINE_TOL_SHARE * length):
         return 0, controls

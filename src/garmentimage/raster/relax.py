@@ -41,7 +41,7 @@ MEMBRANE = 0.25
 """Stiffness of a panel that is drawn as a membrane: as smooth as it can, its shape forgotten."""
 MEMBRANE_ANCHOR = 1e-6
 
-LIMB = 0.2
+LIMB = 0.5
 """Stiffness of sleeves and hoods: they follow the trunk, not the trunk them."""
 
 TETHER = 0.01

@@ -12,11 +12,14 @@ from numba import njit
 
 from garmentimage.errors import EncodeError
 from garmentimage.raster.drawing import Drawing, Path
+from garmentimage.raster.rotation import departures
 
 ROUNDS = 40
 """Rounds of rip-up and re-route before a drawing is given up."""
 MARGIN = 12
 """Free fine vertices round the drawing."""
+WRONG_TURN = 30.0
+"""Cost of leaving a node in another direction than the cyclic order asks for."""
 PULL = 0.6
 """Cost of a vertex, per squared distance from the target in fine units."""
 MOST_VERTICES = 1_000_000
@@ -73,6 +76,7 @@ def route(drawing: Drawing, fine: int, radius: float) -> FinePaths:
         drawing.head,
         drawing.layers,
         drawing.on_axis,
+        departures(drawing),
         node_xy,
         drawing.node_layers,
         targets - low,
@@ -209,7 +213,9 @@ def _sift_down(keys, items, size):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _shortest(start, goal, mask, use, history, nodes, field, price, axis, on_axis, work):  # type: ignore[no-untyped-def]
+def _shortest(  # type: ignore[no-untyped-def]
+    start, goal, mask, leave, arrive, use, history, nodes, field, price, axis, on_axis, work
+):  # fmt: skip
     """Shortest path in the corridor, as vertex numbers from goal back to start; count in [0]."""
     cost, previous, keys, items, out, layers = work
     height, width = field.shape
@@ -228,8 +234,8 @@ def _shortest(start, goal, mask, use, history, nodes, field, price, axis, on_axi
             break
         x0, y0 = vertex % width, vertex // width
         for step in range(4):
-            x = x0 + (1 if step == 0 else -1 if step == 1 else 0)
-            y = y0 + (1 if step == 2 else -1 if step == 3 else 0)
+            x = x0 + (1 if step == 0 else -1 if step == 2 else 0)
+            y = y0 + (1 if step == 1 else -1 if step == 3 else 0)
             if x < 0 or y < 0 or x >= width or y >= height or field[y, x] >= FAR:
                 continue
             other = y * width + x
@@ -237,6 +243,10 @@ def _shortest(start, goal, mask, use, history, nodes, field, price, axis, on_axi
                 if on_axis and x != axis or not on_axis and x <= axis:
                     continue
             extra = 0.0
+            if vertex == start and leave >= 0 and step != leave:
+                extra += WRONG_TURN
+            if other == goal and arrive >= 0 and step != (arrive + 2) % 4:
+                extra += WRONG_TURN
             if other != goal:
                 blocked = False
                 for layer in range(layers):
@@ -266,7 +276,7 @@ def _shortest(start, goal, mask, use, history, nodes, field, price, axis, on_axi
 
 @njit(cache=True)
 def _route_all(  # type: ignore[no-untyped-def]
-    order, tail, head, mask, on_axis, node_xy, node_layers, targets, starts, radius, width, height,
+    order, tail, head, mask, on_axis, leaving, node_xy, node_layers, targets, starts, radius, width, height,
     axis, rounds,
 ):  # fmt: skip
     arcs, size, layers = len(tail), width * height, 2
@@ -278,7 +288,6 @@ def _route_all(  # type: ignore[no-untyped-def]
             if node_layers[n] >> layer & 1:
                 nodes[layer, node_xy[n, 1] * width + node_xy[n, 0]] = True
     fields = np.empty((arcs, height, width), np.float32)
-    paths = np.zeros((arcs, 1), np.int32)
     lens = np.zeros(arcs, np.int64)
     room = 4 * (width + height)
     paths = np.zeros((arcs, room), np.int32)
@@ -309,8 +318,9 @@ def _route_all(  # type: ignore[no-untyped-def]
             start = node_xy[tail[i], 1] * width + node_xy[tail[i], 0]
             goal = node_xy[head[i], 1] * width + node_xy[head[i], 0]
             count = _shortest(
-                start, goal, mask[i], use, history, nodes, fields[i], price, axis, on_axis[i], work
-            )
+                start, goal, mask[i], leaving[i, 0], leaving[i, 1], use, history, nodes,
+                fields[i], price, axis, on_axis[i], work,
+            )  # fmt: skip
             if count < 2 or count > room:
                 return 0, np.zeros((0, 2), np.int64), lens
             lens[i] = count

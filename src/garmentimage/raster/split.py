@@ -4,9 +4,9 @@ A `Cloth` is a pattern taken apart for cutting: every edge has a number of its o
 same whatever is cut elsewhere.
 """
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from itertools import count
-from typing import Iterator
 
 import numpy as np
 from jaxtyping import Float
@@ -30,6 +30,9 @@ PARTNER_REACH = 0.3
 
 VERTEX_REACH = 0.035
 """Reach, in perimeters, to any other vertex."""
+
+LEAST_HALF = 0.1
+"""Share of a panel's area that either half must keep."""
 
 SUFFIXES = ("front", "back")
 
@@ -58,7 +61,7 @@ class Cloth:
     """For every sewn edge its partner, and whether the start of one meets the end of the other."""
     cuts: set[int] = field(default_factory=set)
     """Edges made by cutting."""
-    numbers: Iterator[int] = field(default_factory=count)
+    numbers: Iterator[int] = field(default_factory=itertools.count)
 
     @classmethod
     def of(cls, pattern: Pattern, lift: float) -> "Cloth":
@@ -200,26 +203,57 @@ def _round_trip(a: float, b: float, perimeter: float) -> float:
 def _choose_vertices(
     cloth: Cloth, piece: Piece, places: list[float], undecided: set[int]
 ) -> list[int]:
-    """The two edges before which to cut; a place far from any good vertex gets a new one."""
-    chosen: list[int] = []
+    """The two edges before which to cut; a place far from any good vertex gets a new one.
+
+    Best are vertices where the neighbours change from one layer to the other, then other
+    vertices nearby; of those the first pair that leaves two true halves.
+    """
+    loop = piece.loops[0]
+    starts = _starts(cloth, piece)
+    layers = [_partner_layer(cloth, e, undecided) for e in loop]
+    changes = {k for k in range(len(loop)) if {layers[k - 1], layers[k]} == {0, 1}}
+    ranked = []
     for place in places:
-        loop = piece.loops[0]
-        lengths = [polyline_length(cloth.curves[e]) for e in loop]
-        starts = np.concatenate([[0.0], np.cumsum(lengths)])
         reach = [_round_trip(s, place, starts[-1]) / starts[-1] for s in starts[:-1]]
-        layers = [_partner_layer(cloth, e, undecided) for e in loop]
-        changes = [
-            k for k in range(len(loop)) if {layers[k - 1], layers[k]} == {0, 1}
-        ]
-        good = [(reach[k], k) for k in changes if reach[k] < PARTNER_REACH]
-        good = good or [(r, k) for k, r in enumerate(reach) if r < VERTEX_REACH]
-        good = [(r, k) for r, k in good if loop[k] not in chosen]
-        if good:
-            chosen.append(loop[min(good)[1]])
-            continue
-        k = int(np.searchsorted(starts, place, side="right")) - 1
-        chosen.append(cloth.split_edge(loop[k], (place - starts[k]) / lengths[k]))
-    return chosen
+        good = sorted((r, k) for k, r in enumerate(reach) if k in changes and r < PARTNER_REACH)
+        near = sorted((r, k) for k, r in enumerate(reach) if r < VERTEX_REACH)
+        ranked.append([*(starts[k] for _, k in good), *(starts[k] for _, k in near), place])
+    pairs = itertools.product(*(list(enumerate(options)) for options in ranked))
+    in_order = sorted(pairs, key=lambda pair: sum(rank for rank, _ in pair))
+    chosen = next(
+        (pair for pair in in_order if _balance(cloth, piece, pair[0][1], pair[1][1]) > LEAST_HALF),
+        in_order[-1],
+    )
+    return [_vertex_at(cloth, piece, place) for _, place in chosen]
+
+
+def _starts(cloth: Cloth, piece: Piece) -> np.ndarray:
+    """Length along the outer loop at which each edge starts, and the whole length."""
+    lengths = [polyline_length(cloth.curves[e]) for e in piece.loops[0]]
+    return np.concatenate([[0.0], np.cumsum(lengths)])
+
+
+def _balance(cloth: Cloth, piece: Piece, a: float, b: float) -> float:
+    """Share of the area on the smaller side of the line between two places on the outer loop."""
+    polygon = cloth.polygon(piece)
+    closed = np.concatenate([polygon, polygon[:1]])
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+    a, b = sorted((a, b))
+    ends = resample(closed, np.array([a, b]) / along[-1])
+    between = polygon[(along[:-1] > a) & (along[:-1] < b)]
+    share = signed_area(np.concatenate([ends[:1], between, ends[1:]])) / signed_area(polygon)
+    return min(share, 1 - share)
+
+
+def _vertex_at(cloth: Cloth, piece: Piece, place: float) -> int:
+    """The edge that starts at a place on the outer loop, split off there if need be."""
+    starts = _starts(cloth, piece)
+    here = np.abs(starts[:-1] - place) < 1e-6
+    if here.any():
+        return piece.loops[0][int(here.argmax())]
+    k = int(np.searchsorted(starts, place, side="right")) - 1
+    share = (place - starts[k]) / (starts[k + 1] - starts[k])
+    return cloth.split_edge(piece.loops[0][k], share)
 
 
 def _partner_layer(cloth: Cloth, edge: int, undecided: set[int]) -> int | None:

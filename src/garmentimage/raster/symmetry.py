@@ -149,6 +149,7 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
         wish=np.array(wish),
         axis=axis,
     )
+    half = _with_axis_links(half)
     return Half(half, mirror, tuple(kept), tuple(crossing)) if _fits_axis(half) else None
 
 
@@ -169,13 +170,78 @@ def _layers_used(count: int, tail: list[int], head: list[int], layers: list[int]
     return used
 
 
+def _with_axis_links(half: Drawing) -> Drawing:
+    """Free arcs that open a gap on the axis (a hood, a slit) first share a step along it."""
+    for node in np.flatnonzero(half.node_on_axis):
+        for layer in (0, 1):
+            leaving = [x for x in _leaving(half, layer) if x[0] == node]
+            if len(leaving) != 2:
+                continue
+            # The gap lies where a free arc is steepest: between it and its mirror image.
+            away = [half.curves[arc][::-1] if at_head else half.curves[arc] for _, arc, at_head in leaving]
+            slope = [(c[1] - c[0])[1] / (np.hypot(*(c[1] - c[0])) + 1e-12) for c in away]
+            steep = int(np.argmax(np.abs(slope)))
+            _, arc, at_head = leaving[steep]
+            up = bool(slope[steep] > 0)
+            if half.free[arc] and not _axis_taken(half, int(node), layer, up):
+                half = _with_axis_link(half, int(node), arc, at_head)
+    return half
+
+
+def _leaving(half: Drawing, layer: int) -> list[tuple[int, int, bool]]:
+    """(axis node, arc, at its head) for every arc of a layer that leaves the axis."""
+    return [
+        (int(node), arc, at_head)
+        for arc in np.flatnonzero((half.layers >> layer & 1).astype(bool) & ~half.on_axis)
+        for at_head, node in ((False, half.tail[arc]), (True, half.head[arc]))
+        if half.node_on_axis[node]
+    ]
+
+
+def _axis_taken(half: Drawing, node: int, layer: int, up: bool) -> bool:
+    """Whether an arc of this layer already leaves the node along the axis, upwards or down."""
+    for arc in np.flatnonzero((half.layers >> layer & 1).astype(bool) & half.on_axis):
+        for first, last, curve in (
+            (half.tail[arc], half.head[arc], half.curves[arc]),
+            (half.head[arc], half.tail[arc], half.curves[arc][::-1]),
+        ):
+            if first == node and (curve[-1, 1] > curve[0, 1]) == up:
+                return True
+    return False
+
+
+def _with_axis_link(half: Drawing, node: int, arc: int, at_head: bool) -> Drawing:
+    """The free arc leaves from a new axis node; a link along the axis leads there."""
+    curve = half.curves[arc][::-1] if at_head else half.curves[arc]
+    place = np.array([half.axis, curve[1, 1]], float)
+    moved = np.concatenate([place[None], curve[1:]])
+    curves = list(half.curves)
+    curves[arc] = moved[::-1] if at_head else moved
+    new, link = len(half.node_target), half.arc_count
+    tail, head = half.tail.copy(), half.head.copy()
+    (head if at_head else tail)[arc] = new
+    layers = half.layers[arc]
+    return replace(
+        half,
+        node_target=np.vstack([half.node_target, place]),
+        node_layers=np.append(half.node_layers, layers),
+        node_on_axis=np.append(half.node_on_axis, True),
+        tail=np.append(tail, node),
+        head=np.append(head, new),
+        layers=np.append(half.layers, layers),
+        free=np.append(half.free, True),
+        on_axis=np.append(half.on_axis, True),
+        curves=(*curves, np.stack([half.node_target[node], place])),
+        least=np.append(half.least, 1),
+        wish=np.append(half.wish, 1.0),
+        links=(*half.links, (arc, link, at_head)),
+    )
+
+
 def _fits_axis(half: Drawing) -> bool:
     """Whether every axis node has at most one arc a layer that leaves the axis."""
     for layer in (0, 1):
-        off = (half.layers >> layer & 1).astype(bool) & ~half.on_axis
-        leaving = np.bincount(
-            np.concatenate([half.tail[off], half.head[off]]), minlength=len(half.node_target)
-        )
-        if (leaving[half.node_on_axis] > 1).any():
+        nodes = [node for node, _, _ in _leaving(half, layer)]
+        if len(set(nodes)) < len(nodes):
             return False
     return True

@@ -1,4 +1,4 @@
-"""Where panels lie in a picture: as worn, front beside back, or packed on a table.
+"""Where panels lie in a picture: as worn, front and back, or packed on a table.
 
 As worn, each panel is drawn about where it hangs on the body, the back seen through the body (as
 in a GarmentImage), and panels that would lie on one another are pushed apart.
@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from garmentimage.geometry.polygons import centroid
 from garmentimage.pattern.model import Panel, Pattern
+from garmentimage.pattern.svg import lay_out
 
 Arrangement = Literal["worn", "table"]
 
@@ -19,6 +20,8 @@ MARGIN_CM = 7.0
 """Least space between two panels."""
 GROUP_GAP_CM = 24.0
 """Space between the front and the back."""
+PICTURE_RATIO = 1.15
+"""Width over height that front and back should have together."""
 WORN_LIMIT = 80
 """With more panels than this, they lie on the table: pushing apart takes quadratic time."""
 _ROUNDS = 400
@@ -54,7 +57,7 @@ def arrange(pattern: Pattern, arrangement: Arrangement = "worn") -> tuple[Placed
     front = _pushed_apart([p for p in placed if not p.back])
     back = _pushed_apart([p for p in placed if p.back])
     if front and back:
-        back = _beside(front, back)
+        back = _joined(front, back)
     order = {p.panel.name: p for p in (*front, *back)}
     return tuple(order[panel.name] for panel in pattern.panels)
 
@@ -133,23 +136,24 @@ def _on_table(pattern: Pattern) -> tuple[PlacedPanel, ...]:
 
 
 def _shelved(placed: list[PlacedPanel]) -> list[PlacedPanel]:
-    """Panels in rows, in their order, about as wide as high altogether."""
+    """Panels on shelves, the tallest first."""
     boxes = np.array([bounds([p]) for p in placed])
-    size = boxes[:, 1] - boxes[:, 0] + MARGIN_CM
-    width = max(float(np.sqrt(size.prod(axis=1).sum()) * 1.3), float(size[:, 0].max()))
-    moved, x, top, height = [], 0.0, 0.0, 0.0
-    for p, box, (w, h) in zip(placed, boxes, size):
-        if x + w > width and x > 0:
-            x, top, height = 0.0, top - height, 0.0
-        moved.append(_moved(p, np.array([x - box[0, 0], top - box[1, 1]])))
-        x, height = x + w, max(height, h)
-    return moved
+    spots, _, _ = lay_out([(float(w), float(h)) for w, h in boxes[:, 1] - boxes[:, 0]])
+    wanted = np.array([(spot.x, spot.y) for spot in spots])
+    return [_moved(p, shift) for p, shift in zip(placed, wanted - boxes[:, 0])]
 
 
-def _beside(front: list[PlacedPanel], back: list[PlacedPanel]) -> list[PlacedPanel]:
-    """The back group, moved right of the front group."""
-    shift = bounds(front)[1, 0] + GROUP_GAP_CM - bounds(back)[0, 0]
-    return [_moved(p, np.array([shift, 0.0])) for p in back]
+def _joined(front: list[PlacedPanel], back: list[PlacedPanel]) -> list[PlacedPanel]:
+    """The back group, moved right of the front group or below it: what makes a squarer picture."""
+    f, b = bounds(front), bounds(back)
+    (fw, fh), (bw, bh) = f[1] - f[0], b[1] - b[0]
+    beside = (fw + GROUP_GAP_CM + bw) / max(fh, bh)
+    stacked = max(fw, bw) / (fh + GROUP_GAP_CM + bh)
+    if abs(np.log(beside / PICTURE_RATIO)) <= abs(np.log(stacked / PICTURE_RATIO)):
+        shift = np.array([f[1, 0] + GROUP_GAP_CM - b[0, 0], 0.0])
+    else:
+        shift = np.array([f[:, 0].mean() - b[:, 0].mean(), f[0, 1] - GROUP_GAP_CM - b[1, 1]])
+    return [_moved(p, shift) for p in back]
 
 
 def _moved(placed: PlacedPanel, shift: np.ndarray) -> PlacedPanel:

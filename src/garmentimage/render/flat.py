@@ -10,17 +10,18 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.geometry.polygons import centroid
-from garmentimage.pattern.model import Panel, Pattern, Side
+from garmentimage.pattern.model import Pattern, Side
 from garmentimage.render.arrange import Arrangement, PlacedPanel, arrange, bounds
 from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.path import Path
 
 CURVE_CHORDS = 24
 """Chords that draw one curved edge."""
 SCALE_BAR_CM = 20.0
-LETTERING = 5.5
+LETTERING = 6.0
 """Size of names and numbers [points]; names shrink to fit their panel ..."""
 SMALLEST_LETTERING = 3.0
 """... down to this size."""
@@ -38,7 +39,7 @@ def draw_pattern(pattern: Pattern, ax: "Axes", *, arrangement: Arrangement = "wo
     Args:
         pattern: what to draw.
         ax: where; its limits, aspect and frame are set.
-        arrangement: "worn" draws the front beside the back, each panel about where it hangs;
+        arrangement: "worn" draws front and back, each panel about where it hangs;
             "table" packs the panels in rows, in their own frames.
     """
     placed = arrange(pattern, arrangement)
@@ -51,20 +52,17 @@ def draw_pattern(pattern: Pattern, ax: "Axes", *, arrangement: Arrangement = "wo
     ax.set_axis_off()
     letter = LETTERING * _cm_per_point(ax)
     seams = seam_numbers(pattern)
+    _draw_cloth(placed, ax)
+    _draw_edges(placed, seams, ax)
     for p in placed:
-        _draw_cloth(p, ax)
-        _draw_edges(p, seams, ax)
         if p.panel.grain is not None:
-            _draw_grain(p, ax)
+            _draw_grain(p, letter, ax)
         if len(placed) <= NAME_LIMIT:
             _draw_name(p, letter, ax)
         if max(seams.values(), default=0) <= NUMBER_LIMIT:
             _draw_numbers(p, seams, letter, ax)
-    if len({p.back for p in placed}) == 2 and arrangement == "worn":
-        for back, title in ((False, "front"), (True, "back")):
-            sides = bounds([p for p in placed if p.back == back])
-            x = float(sides[:, 0].mean())
-            ax.text(x, high[1] + pad, title, color=FAINT, fontsize=7, ha="center", va="bottom")
+    if len({p.back for p in placed}) == 2:
+        _draw_titles(placed, pad, ax)
     _draw_scale_bar(low, size, ax)
 
 
@@ -79,8 +77,9 @@ def _cm_per_point(ax: "Axes") -> float:
 def seam_numbers(pattern: Pattern) -> dict[Side, int]:
     """A number from 1 up for every sewn side, the same for both sides of a seam.
 
-    Stitches whose sides follow each other on both panels count as one seam. Numbers run from the
-    top of the garment down and do not depend on the order of panels or stitches.
+    Stitches whose sides follow each other on both panels count as one seam. Numbers go by the
+    names of the panels, then from the wearer's right to the left and upwards; they do not depend
+    on the order of panels or stitches, so two versions of a pattern are easily compared.
     """
     parent = list(range(len(pattern.stitches)))
 
@@ -104,12 +103,19 @@ def seam_numbers(pattern: Pattern) -> dict[Side, int]:
         )
         if joined:
             parent[root(other)] = root(k)
-    middles: dict[int, list[np.ndarray]] = {}
+    seams: dict[int, list[Side]] = {}
     for side, k in stitch_of.items():
-        middle = pattern.curve(side).sample(2)[1:2]
-        middles.setdefault(root(k), []).append(pattern.by_name[side.panel].to_world(middle)[0])
-    place = {k: np.round(np.mean(points, axis=0), 3) for k, points in middles.items()}
-    order = sorted(place, key=lambda k: (-place[k][1], *place[k][[0, 2]], k))
+        seams.setdefault(root(k), []).append(side)
+
+    def place(k: int) -> tuple[list[str], list[float], int]:
+        points = [
+            pattern.by_name[side.panel].to_world(pattern.curve(side).sample(2)[1:2])[0]
+            for side in seams[k]
+        ]
+        middle = np.mean(points, axis=0).round(3).tolist()
+        return sorted({side.panel for side in seams[k]}), middle, k
+
+    order = sorted(seams, key=place)
     number = {k: n for n, k in enumerate(order, start=1)}
     return {side: number[root(k)] for side, k in stitch_of.items()}
 
@@ -141,32 +147,44 @@ def _lines(placed: PlacedPanel) -> list[Float[np.ndarray, "n 2"]]:
     ]
 
 
-def _draw_cloth(placed: PlacedPanel, ax: "Axes") -> None:
-    from matplotlib.patches import PathPatch
+def _draw_cloth(placed: tuple[PlacedPanel, ...], ax: "Axes") -> None:
+    from matplotlib.collections import PathCollection
+
+    # One collection for all panels: thousands of patches would take a minute.
+    ax.add_collection(
+        PathCollection(
+            [_cloth_path(p) for p in placed],
+            facecolors=[LAYER_TINTS[int(p.back)] for p in placed],
+            edgecolors="none",
+            zorder=1,
+        )
+    )
+
+
+def _cloth_path(placed: PlacedPanel) -> "Path":
+    """Outline and holes; holes show the paper because they run against the outline."""
     from matplotlib.path import Path
 
-    loops = [placed.place(_closed(loop.polygon)) for loop in placed.panel.loops]
-    # Holes show the paper only when they run against the outline.
-    turned = [loops[0]] + [
-        h if loop.area * placed.panel.outline.area < 0 else h[::-1]
-        for h, loop in zip(loops[1:], placed.panel.holes)
+    outline, *holes = placed.panel.loops
+    loops = [outline.polygon] + [
+        hole.polygon if hole.area * outline.area < 0 else hole.polygon[::-1] for hole in holes
     ]
-    path = Path.make_compound_path(*(Path(points, closed=True) for points in turned))
-    tint = LAYER_TINTS[int(placed.back)]
-    ax.add_patch(PathPatch(path, facecolor=tint, edgecolor="none", zorder=1))
+    closed = [Path(placed.place(_closed(points)), closed=True) for points in loops]
+    return Path.make_compound_path(*closed)
 
 
 def _closed(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
     return np.concatenate([polygon, polygon[:1]])
 
 
-def _draw_edges(placed: PlacedPanel, seams: dict[Side, int], ax: "Axes") -> None:
+def _draw_edges(placed: tuple[PlacedPanel, ...], seams: dict[Side, int], ax: "Axes") -> None:
     from matplotlib.collections import LineCollection
 
-    numbers = [seams.get(Side(placed.panel.name, k)) for k in range(len(placed.panel.edges))]
+    lines = [line for p in placed for line in _lines(p)]
+    numbers = [seams.get(Side(p.panel.name, k)) for p in placed for k in range(len(p.panel.edges))]
     ax.add_collection(
         LineCollection(
-            _lines(placed),
+            lines,
             colors=[INK if n is None else seam_colour(n) for n in numbers],
             linewidths=[0.9 if n is None else 1.7 for n in numbers],
             capstyle="round",
@@ -175,9 +193,7 @@ def _draw_edges(placed: PlacedPanel, seams: dict[Side, int], ax: "Axes") -> None
     )
 
 
-def _draw_numbers(
-    placed: PlacedPanel, seams: dict[Side, int], letter: float, ax: "Axes"
-) -> None:
+def _draw_numbers(placed: PlacedPanel, seams: dict[Side, int], letter: float, ax: "Axes") -> None:
     """One number a seam, beside the middle of its longest edge; outside where cloth is narrow."""
     longest: dict[int, tuple[float, int]] = {}
     lines = _lines(placed)
@@ -214,13 +230,15 @@ def _beside_edge(
     return middle + inset * inward * normal
 
 
-def _draw_grain(placed: PlacedPanel, ax: "Axes") -> None:
+def _draw_grain(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
     assert placed.panel.grain is not None
     polygon = placed.polygon
     along = placed.matrix @ np.array(placed.panel.grain)
     reach = polygon @ along
-    half = 0.16 * float(reach.max() - reach.min())
-    middle = _inner_point(placed.panel, placed) - 0.12 * half * along
+    half = 0.14 * float(reach.max() - reach.min())
+    # The panel's name stands at the inner point; the arrow ends above it.
+    upwards = along if along[1] >= 0 else -along
+    middle = _inner_point(placed) + (half + 1.2 * letter) * upwards
     ax.annotate(
         "",
         middle + half * along,
@@ -230,10 +248,11 @@ def _draw_grain(placed: PlacedPanel, ax: "Axes") -> None:
     )
 
 
-def _inner_point(panel: Panel, placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
+def _inner_point(placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
     """The centroid where it lies on cloth, else some point that does."""
     from shapely import Point, Polygon
 
+    panel = placed.panel
     shape = Polygon(panel.outline.polygon, [h.polygon for h in panel.holes])
     centre = centroid(panel.outline.polygon)
     if not shape.is_valid or not shape.contains(Point(*centre)):
@@ -243,14 +262,15 @@ def _inner_point(panel: Panel, placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
 
 
 def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
-    """The name across the panel, or along it where that is longer and needed."""
+    """The name across the panel, or along it where it is too narrow."""
     name = printable(placed.panel.name)
     low, high = bounds([placed])
-    width, height = high - low
     needed = _LETTER_WIDTH * letter * max(len(name), 1)
-    upright = bool(needed > 0.8 * width and height > width)
-    room = 0.8 * float(height if upright else width)
-    x, y = _inner_point(placed.panel, placed)
+    room, angle = 0.8 * float(high[0] - low[0]), 0.0
+    if needed > room:
+        length, angle = _long_axis(placed)
+        room = 0.8 * length
+    x, y = _inner_point(placed)
     ax.text(
         x,
         y,
@@ -259,10 +279,36 @@ def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
         fontsize=max(LETTERING * min(1.0, room / needed), SMALLEST_LETTERING),
         ha="center",
         va="center",
-        rotation=90 if upright else 0,
+        rotation=angle,
+        rotation_mode="anchor",
         parse_math=False,
         zorder=5,
     )
+
+
+def _long_axis(placed: PlacedPanel) -> tuple[float, float]:
+    """Length [cm] and angle [degrees, -90 to 90] of the longer side of the narrowest box."""
+    from shapely import MultiPoint
+
+    box = MultiPoint(placed.polygon).minimum_rotated_rectangle
+    if box.geom_type != "Polygon":
+        return 0.0, 0.0
+    corners = np.array(box.exterior.coords)
+    sides = corners[1:3] - corners[:2]
+    side = sides[int(np.argmax(np.hypot(*sides.T)))]
+    angle = float(np.rad2deg(np.arctan2(side[1], side[0])))
+    return float(np.hypot(*side)), (angle + 90) % 180 - 90
+
+
+def _draw_titles(placed: tuple[PlacedPanel, ...], pad: float, ax: "Axes") -> None:
+    """Name the front and the back group above their panels, where the groups stand apart."""
+    front, back = (bounds([p for p in placed if p.back == side]) for side in (False, True))
+    beside, below = back[0, 0] > front[1, 0], back[1, 1] < front[0, 1]
+    if not (beside or below):
+        return
+    for title, box in (("front", front), ("back", back)):
+        top = max(front[1, 1], back[1, 1]) if beside else box[1, 1]
+        ax.text(box[:, 0].mean(), top + pad, title, color=FAINT, fontsize=7, ha="center")
 
 
 def _draw_scale_bar(low: np.ndarray, size: float, ax: "Axes") -> None:

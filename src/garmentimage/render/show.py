@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SUFFIXES = (".png", ".svg")
-HEIGHT_IN = 5.2
+HEIGHT_IN = 4.4
 """Most height of a drawing [inch]."""
-WIDTH_LIMITS_IN = (2.5, 8.0)
+WIDTH_LIMITS_IN = (2.4, 5.2)
 """Narrowest and widest drawing [inch]."""
 TITLE_IN, MARGIN_IN, GAP_IN = 0.42, 0.15, 0.5
-DPI = 150
+DPI = 170
 
 
 def show(

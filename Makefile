@@ -1,0 +1,60 @@
+# make demo    encode, decode and draw the four bundled patterns
+# make test    all tests that need no pattern files by others
+# make check   format, lint, types, quick tests: before every commit
+# make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
+# make picture the picture in the README
+# make bench   encode, decode, import and start, timed on one core
+
+OLDEST_TO_NEWEST := (3, 11) <= sys.version_info[:2] <= (3, 13)
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(not $(OLDEST_TO_NEWEST))' 2>/dev/null && echo $$p && break; done)
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+WORKERS ?= 2
+
+.PHONY: demo test check lint corpus picture bench clean
+
+demo: $(VENV)/ready
+	$(BIN)/python scripts/demo.py out/demo
+
+test: $(VENV)/ready-dev
+	$(BIN)/python -m pytest -n $(WORKERS) -m "not corpus"
+
+check: lint
+	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow and not corpus"
+
+lint: $(VENV)/ready-dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy src
+
+corpus: $(VENV)/ready-dev
+	$(BIN)/python -m pytest -n $(WORKERS) -m corpus
+
+picture: $(VENV)/ready
+	$(BIN)/garmentimage show --round-trip src/garmentimage/examples/dress.json \
+		-o docs/pattern-raster-pattern.png
+
+bench: $(VENV)/ready
+	$(BIN)/python benchmarks/speed.py
+
+clean:
+	rm -rf $(VENV) out
+
+# One environment for all of it; made again when a dependency changes.
+$(VENV)/made:
+	@test -n "$(PYTHON)" || { echo "garmentimage needs Python 3.11, 3.12 or 3.13;" \
+		"name one: make PYTHON=/path/to/python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(not $(OLDEST_TO_NEWEST))' || { echo "$(PYTHON) is" \
+		"not Python 3.11, 3.12 or 3.13; name one: make PYTHON=python3.12" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	touch $@
+
+$(VENV)/ready: $(VENV)/made pyproject.toml constraints.txt
+	$(INSTALL) -e .
+	touch $@
+
+$(VENV)/ready-dev: $(VENV)/ready
+	$(INSTALL) -e ".[dev]"
+	touch $@

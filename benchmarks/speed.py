@@ -1,0 +1,143 @@
+"""How long encoding, decoding, importing and starting take, on one core.
+
+    python benchmarks/speed.py [FILE_OR_FOLDER...] [--grid N] [--other ADAPTER.py]
+
+Without files, the bundled patterns. Each file is encoded and decoded `--repeats` times after a
+first, untimed time; the table gives the median, the slowest tenth and the worst over the files.
+`--other` names a Python file with a function `encode_file(path, grid)` that runs another encoder:
+its times are taken in turn with ours, in the same process, and the ratio is told.
+"""
+
+import argparse
+import importlib.util
+import os
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[variable] = "1"  # before numpy is imported
+if hasattr(os, "sched_setaffinity"):
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+
+import numpy as np  # noqa: E402
+
+import garmentimage as gi  # noqa: E402
+from garmentimage.examples import example_names, example_path  # noqa: E402
+
+FRESH_REPEATS = 5
+FRESH = "import garmentimage as gi; gi.decode(gi.encode(gi.load_pattern({path!r}), grid={grid}))"
+
+
+def main() -> None:
+    options = arguments()
+    paths = pattern_files(options.paths) or [Path(example_path(n)) for n in example_names()]
+    other = adapter(options.other) if options.other else None
+    rows: dict[str, list[float]] = {"encode": [], "decode": []} | ({"other": []} if other else {})
+    refused = 0
+    for path in paths:
+        try:
+            times = file_times(path, options.grid, options.repeats, other)
+        except gi.GarmentImageError as error:
+            refused += 1
+            print(f"{path.name}: {error}", file=sys.stderr)
+            continue
+        for name, value in times.items():
+            rows[name].append(value)
+    print(f"{len(paths) - refused} files, N = {options.grid}, one core; milliseconds\n")
+    print(f"{'step':34}{'median':>9}{'90 %':>9}{'worst':>9}")
+    for name, values in rows.items():
+        if values:
+            print_row("other encoder" if name == "other" else name, values)
+    if other and rows["encode"]:
+        ratio = np.median(np.array(rows["other"]) / np.array(rows["encode"]))
+        print(f"{'other encoder / encode, median':34}{ratio:9.1f}")
+    for name, values in fresh_times(paths[0], options.grid).items():
+        print_row(name, values)
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("paths", nargs="*", type=Path)
+    parser.add_argument("--grid", type=int, default=16)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--other", type=Path)
+    return parser.parse_args()
+
+
+def pattern_files(paths: list[Path]) -> list[Path]:
+    return [f for p in paths for f in (sorted(p.rglob("*.json")) if p.is_dir() else [p])]
+
+
+def adapter(path: Path) -> Callable[[Path, int], object]:
+    spec = importlib.util.spec_from_file_location("other_encoder", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.encode_file
+
+
+def file_times(
+    path: Path, grid: int, repeats: int, other: Callable[[Path, int], object] | None
+) -> dict[str, float]:
+    """Median milliseconds of each step on one file; the steps take turns."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        pattern = gi.load_pattern(path)
+        image = gi.encode(pattern, grid=grid)
+        steps = {
+            "encode": lambda: gi.encode(pattern, grid=grid),
+            "decode": lambda: gi.decode(image),
+        }
+        if other:
+            steps["other"] = lambda: other(path, grid)
+        for step in steps.values():
+            step()
+        taken = {name: [] for name in steps}
+        for _ in range(repeats):
+            for name, step in steps.items():
+                taken[name].append(milliseconds(step))
+    return {name: float(np.median(values)) for name, values in taken.items()}
+
+
+def fresh_times(path: Path, grid: int) -> dict[str, list[float]]:
+    """Milliseconds of whole new processes; the bare interpreter's start is in all of them."""
+
+    def run(*arguments: str, **variables: str) -> float:
+        environment = {**os.environ, **variables}
+        command = [sys.executable, "-W", "ignore", *arguments]
+        return milliseconds(
+            lambda: subprocess.run(command, env=environment, check=True, capture_output=True)
+        )
+
+    way = FRESH.format(path=str(path), grid=grid)
+    with tempfile.TemporaryDirectory() as empty:
+        compiling = run("-c", way, NUMBA_CACHE_DIR=empty)
+    starts = {
+        "python, no import": ("-c", "pass"),
+        "import garmentimage": ("-c", "import garmentimage"),
+        "garmentimage --version": ("-m", "garmentimage", "--version"),
+        "garmentimage check FILE": ("-m", "garmentimage", "check", str(path)),
+        "encode and decode, new process": ("-c", way),
+    }
+    taken = {
+        name: [run(*command) for _ in range(FRESH_REPEATS)] for name, command in starts.items()
+    }
+    return taken | {"the same, compiling first": [compiling]}
+
+
+def milliseconds(step: Callable[[], object]) -> float:
+    start = perf_counter()
+    step()
+    return 1000 * (perf_counter() - start)
+
+
+def print_row(name: str, values: list[float]) -> None:
+    print(f"{name:34}{np.median(values):9.1f}{np.quantile(values, 0.9):9.1f}{max(values):9.1f}")
+
+
+if __name__ == "__main__":
+    main()

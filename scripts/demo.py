@@ -1,0 +1,53 @@
+"""Encode and decode the bundled patterns, draw each way, and say what was made and where."""
+
+import sys
+from pathlib import Path
+from time import perf_counter
+
+import garmentimage as gi
+from garmentimage.examples import example_names, example_path
+from garmentimage.metrics import judge
+from garmentimage.render.show import show
+
+GRID = 16
+
+
+def main(folder: Path) -> int:
+    """Make the files of every example in `folder`; 1 where a pattern does not come back."""
+    folder.mkdir(parents=True, exist_ok=True)
+    print("Compiling on the first run takes a while; later runs start at once.", flush=True)
+    failed = 0
+    for name in example_names():
+        pattern = gi.load_pattern(example_path(name))
+        start = perf_counter()
+        image = gi.encode(pattern, grid=GRID)
+        between = perf_counter()
+        gi.save_image(image, folder / f"{name}.npz")
+        again = gi.decode(gi.load_image(folder / f"{name}.npz"))
+        end = perf_counter()
+        gi.save_pattern(again, folder / f"{name}-decoded.json")
+        show(
+            pattern,
+            image,
+            again,
+            out=folder / f"{name}.png",
+            titles=(f"{name}, sewing pattern", f"GarmentImage, {GRID} x {GRID}", "decoded pattern"),
+            steps=("encode", "decode"),
+        )
+        result = judge(pattern, again)
+        failed += not result.success
+        verdict = "the same garment came back" if result.success else "; ".join(result.reasons)
+        print(
+            f"\n{name}: {len(pattern.panels)} panels and {len(pattern.stitches)} stitches on "
+            f"{int(image.inside.sum())} cells; {verdict} "
+            f"(mean panel IoU {sum(result.iou.values()) / len(result.iou):.3f}, "
+            f"{1000 * (between - start):.0f} ms there, {1000 * (end - between):.0f} ms back)\n"
+            f"  {folder / name}.npz           the GarmentImage\n"
+            f"  {folder / name}-decoded.json  the pattern that it holds, for any GarmentCode tool\n"
+            f"  {folder / name}.png           the way there and back, drawn"
+        )
+    return int(failed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))

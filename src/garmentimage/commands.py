@@ -1,0 +1,354 @@
+"""The verbs of the command line: a few lines over each library call.
+
+Each imports what it needs when it runs, so that the command starts quickly. A new verb is a row
+of `COMMANDS`, at the end.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from garmentimage.errors import GarmentImageError, OutputError, PatternFileError
+from garmentimage.files import shown_path, write_atomically
+from garmentimage.terminal import (
+    Exit,
+    error_facts,
+    errors_about,
+    list_facts,
+    one_line,
+    print_json,
+    print_written,
+    say,
+    warn,
+)
+
+if TYPE_CHECKING:
+    from garmentimage.metrics.roundtrip import FileReport
+    from garmentimage.pattern.check import Finding
+    from garmentimage.pattern.model import Pattern
+    from garmentimage.raster.image import GarmentImage
+
+IMAGE_SUFFIXES = (".npz", ".npy")
+MANIFEST_ENDING = "_manifest.json"
+"""Lists of designs that lie among the patterns of a folder."""
+FAILURES_SHOWN = 20
+
+
+@dataclass(frozen=True)
+class Command:
+    """One verb of the command line."""
+
+    name: str
+    summary: str
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], Exit]
+
+
+# --- check ---------------------------------------------------------------------------------------
+
+
+def _check_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
+
+
+def _check(options: argparse.Namespace) -> Exit:
+    code, rows = Exit.OK, []
+    for path in options.files:
+        try:
+            row, found = _facts(path)
+        except GarmentImageError as error:
+            code = Exit.USER_ERROR
+            rows.append({"file": str(path), "ok": False, **error_facts(error)})
+            say(f"error: {one_line(error)}")
+            continue
+        rows.append({"file": str(path), "ok": True, **row, "warnings": [str(f) for f in found]})
+        warn(path, found)
+        if not options.json:
+            print(f"{shown_path(path)}: ok, {list_facts(row)}")
+    if options.json:
+        print_json({"files": rows})
+    return code
+
+
+def _facts(path: Path) -> tuple[dict[str, Any], "Sequence[Finding]"]:
+    """What a good file holds, and the findings about it."""
+    if _is_image(path):
+        from garmentimage.raster.files import load_image
+
+        return _image_facts(load_image(path)), ()
+    pattern, found = _read_pattern(path)
+    return _pattern_facts(pattern), found
+
+
+# --- encode --------------------------------------------------------------------------------------
+
+
+def _encode_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", type=Path, metavar="FILE", help="a pattern (JSON)")
+    _add_out(parser, "OUT.npz", "the image; .npy writes the layout of the GarmentImage authors")
+    _add_grid(parser)
+
+
+def _encode(options: argparse.Namespace) -> Exit:
+    from garmentimage.raster.encode import encode
+    from garmentimage.raster.files import save_image
+
+    _check_out(options.out, IMAGE_SUFFIXES, [options.file])
+    pattern, found = _read_pattern(options.file)
+    warn(options.file, found)
+    with errors_about(options.file):
+        image = encode(pattern, grid=options.grid)
+    save_image(image, options.out)
+    print_written(options, _image_facts(image))
+    return Exit.OK
+
+
+# --- decode --------------------------------------------------------------------------------------
+
+
+def _decode_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", type=Path, metavar="FILE", help="an image (.npz or .npy)")
+    _add_out(parser, "OUT.json", "the pattern")
+    parser.add_argument(
+        "--repair",
+        choices=("full", "paper", "none"),
+        default="full",
+        help="what to mend before decoding (default: full)",
+    )
+    _add_order(parser)
+
+
+def _decode(options: argparse.Namespace) -> Exit:
+    from garmentimage.pattern.spec import save_pattern
+    from garmentimage.raster.decode import decode
+
+    _check_out(options.out, (".json",), [options.file])
+    image = _read_image(options.file, options.order)
+    with errors_about(options.file):
+        pattern = decode(image, repair=options.repair)
+    save_pattern(pattern, options.out)
+    print_written(options, _pattern_facts(pattern))
+    return Exit.OK
+
+
+# --- show ----------------------------------------------------------------------------------------
+
+
+def _show_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="patterns and images")
+    _add_out(parser, "OUT.png", "the picture (.png or .svg)")
+    parser.add_argument(
+        "--round-trip",
+        action="store_true",
+        help="encode one pattern, decode it, and draw all three beside each other",
+    )
+    _add_grid(parser)
+    _add_order(parser)
+
+
+def _show(options: argparse.Namespace) -> Exit:
+    from garmentimage.render.show import SUFFIXES, show
+
+    _check_out(options.out, SUFFIXES, options.files)
+    sources: list[Pattern | GarmentImage] = []
+    for path in options.files:
+        if _is_image(path):
+            from garmentimage.raster.files import load_image
+
+            sources.append(load_image(path, order=options.order))
+        else:
+            pattern, found = _read_pattern(path)
+            warn(path, found)
+            sources.append(pattern)
+    if options.round_trip:
+        _show_round_trip(options, sources)
+    else:
+        show(*sources, out=options.out)
+    print_written(options, {"sources": len(sources)})
+    return Exit.OK
+
+
+def _show_round_trip(options: argparse.Namespace, sources: "list[Pattern | GarmentImage]") -> None:
+    from garmentimage.pattern.model import Pattern
+    from garmentimage.raster.decode import decode
+    from garmentimage.raster.encode import encode
+    from garmentimage.render.show import show
+
+    if len(sources) != 1 or not isinstance(sources[0], Pattern):
+        raise PatternFileError("--round-trip draws the way of one pattern file; give just that")
+    with errors_about(options.files[0]):
+        image = encode(sources[0], grid=options.grid)
+        again = decode(image)
+    show(
+        sources[0],
+        image,
+        again,
+        out=options.out,
+        titles=(
+            f"{sources[0].name}, sewing pattern",
+            f"GarmentImage, {image.grid} x {image.grid}",
+            "decoded pattern",
+        ),
+        steps=("encode", "decode"),
+    )
+
+
+# --- roundtrip -----------------------------------------------------------------------------------
+
+
+def _roundtrip_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "paths", nargs="+", type=Path, metavar="FILE_OR_FOLDER", help="patterns; folders hold more"
+    )
+    parser.add_argument("--report", type=Path, metavar="OUT.json", help="every file's result")
+    parser.add_argument(
+        "--workers", type=_workers, help="processes (default: one for each core; 0: in this one)"
+    )
+    _add_grid(parser)
+
+
+def _roundtrip(options: argparse.Namespace) -> Exit:
+    from tqdm import tqdm
+
+    from garmentimage.metrics.report import report_to_json
+    from garmentimage.metrics.roundtrip import roundtrip_many, summarise, summary_table
+
+    files = _pattern_files(options.paths)
+    if options.report is not None:
+        _check_out(options.report, (".json",), files)
+    # disable=None: a progress bar on a terminal only.
+    with tqdm(total=len(files), unit="file", disable=None, file=sys.stderr) as bar:
+        reports = roundtrip_many(
+            files, options.grid, workers=options.workers, progress=lambda _: bar.update()
+        )
+    data = report_to_json(reports, options.grid)
+    if options.report is not None:
+        write_atomically(options.report, json.dumps(data, indent=1) + "\n")
+    if options.json:
+        print_json(data)
+    else:
+        print(summary_table(summarise(reports)))
+    failed = [r for r in reports if not r.with_marks.success]
+    for report in failed[:FAILURES_SHOWN]:
+        say(f"{report.file}: {one_line(_reason(report))}")
+    if len(failed) > FAILURES_SHOWN:
+        say(f"and {len(failed) - FAILURES_SHOWN} more; --report writes them all")
+    return Exit.NOT_THE_SAME if failed else Exit.OK
+
+
+def _reason(report: "FileReport") -> str:
+    trip = report.with_marks
+    if trip.result is None:
+        return f"{trip.stage}: {trip.error}: {trip.message}"
+    return "; ".join(trip.result.reasons)
+
+
+def _pattern_files(paths: Iterable[Path]) -> list[Path]:
+    """The files named, and all patterns in the folders named, each once."""
+    found: dict[Path, None] = {}
+    for path in paths:
+        if path.is_dir():
+            inside = sorted(path.rglob("*.json"))
+            inside = [f for f in inside if not f.name.endswith(MANIFEST_ENDING)]
+            if not inside:
+                raise PatternFileError(f"{shown_path(path)}: no .json file in this folder")
+            found.update(dict.fromkeys(inside))
+        elif path.is_file():
+            found[path] = None
+        else:
+            raise PatternFileError(f"{shown_path(path)}: there is no such file or folder")
+    return list(found)
+
+
+# --- options -------------------------------------------------------------------------------------
+
+
+def _add_out(parser: argparse.ArgumentParser, metavar: str, text: str) -> None:
+    parser.add_argument("-o", "--out", type=Path, required=True, metavar=metavar, help=text)
+
+
+def _add_grid(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--grid", type=_grid, default=16, metavar="N", help="cells along each side (default: 16)"
+    )
+
+
+def _add_order(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--order",
+        choices=("garmentimage", "authors"),
+        help="order of the channels of a .npy (default: told from the values)",
+    )
+
+
+def _grid(text: str) -> int:
+    from garmentimage.raster.encode import GRIDS
+
+    low, high = GRIDS
+    if not (text.isascii() and text.isdigit() and low <= int(text[:9]) <= high) or int(text) % 2:
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is no even number from {low} to {high}")
+    return int(text)
+
+
+def _workers(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 4):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is no number of processes")
+    return int(text)
+
+
+# --- files ---------------------------------------------------------------------------------------
+
+
+def _is_image(path: Path) -> bool:
+    return path.suffix.lower() in IMAGE_SUFFIXES
+
+
+def _read_pattern(path: Path) -> "tuple[Pattern, tuple[Finding, ...]]":
+    from garmentimage.pattern.spec import read_pattern
+
+    return read_pattern(path)
+
+
+def _read_image(path: Path, order: str | None) -> Any:
+    """An `.npz` as an image; a `.npy` as channels, so that soft values reach the repair."""
+    from garmentimage.raster.files import load_channels, load_image
+
+    return load_channels(path, order=order) if path.suffix.lower() == ".npy" else load_image(path)
+
+
+def _check_out(out: Path, suffixes: Sequence[str], sources: Iterable[Path]) -> None:
+    """Refuse an output path before any work is done for it."""
+    if out.suffix.lower() not in suffixes:
+        raise OutputError(f"{shown_path(out)}: the name must end in {' or '.join(suffixes)}")
+    if not out.absolute().parent.is_dir():
+        raise OutputError(f"{shown_path(out)}: there is no such folder; make it first")
+    if out.exists() and any(s.exists() and s.samefile(out) for s in sources):
+        raise OutputError(f"{shown_path(out)}: is the input, too; choose another name")
+
+
+def _pattern_facts(pattern: "Pattern") -> dict[str, Any]:
+    return {"panels": len(pattern.panels), "stitches": len(pattern.stitches)}
+
+
+def _image_facts(image: "GarmentImage") -> dict[str, Any]:
+    return {"grid": image.grid, "layers": image.layers, "cells": int(image.inside.sum())}
+
+
+COMMANDS = (
+    Command(
+        "check", "say what patterns and images hold, and what is odd", _check_arguments, _check
+    ),
+    Command("encode", "turn a pattern into a GarmentImage", _encode_arguments, _encode),
+    Command("decode", "turn a GarmentImage into a pattern", _decode_arguments, _decode),
+    Command("show", "draw patterns and GarmentImages beside each other", _show_arguments, _show),
+    Command(
+        "roundtrip",
+        "encode and decode patterns, and judge what comes back",
+        _roundtrip_arguments,
+        _roundtrip,
+    ),
+)

@@ -1,0 +1,26 @@
+"""Sewing patterns that come with the package, to try things on.
+
+dress: a one-piece dress with short sleeves. darted_shirt: a fitted shirt with waist and bust
+darts. trousers: straight trousers with a waistband. cutout_top: a sleeveless top with a hole in
+the front. `scripts/draw_examples.py` draws them.
+"""
+
+from pathlib import Path
+
+_FOLDER = Path(__file__).parent
+
+
+def example_names() -> tuple[str, ...]:
+    """Names of the bundled patterns, sorted."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.json")))
+
+
+def example_path(name: str) -> Path:
+    """Where the bundled pattern `name` lies.
+
+    Raises:
+        KeyError: no pattern has this name.
+    """
+    if name not in example_names():
+        raise KeyError(f"no example {name!r}; there are {', '.join(example_names())}")
+    return _FOLDER / f"{name}.json"

@@ -1,0 +1,87 @@
+"""What the command says, and how: results to stdout, remarks to stderr, one line each."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from enum import IntEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from garmentimage.errors import EncodeError, GarmentImageError
+from garmentimage.files import shown_path
+
+if TYPE_CHECKING:
+    from garmentimage.pattern.check import Finding
+
+
+class Exit(IntEnum):
+    """What the command tells the shell."""
+
+    OK = 0
+    NOT_THE_SAME = 1
+    USER_ERROR = 2
+    BUG = 3
+    INTERRUPTED = 130
+
+
+@contextmanager
+def errors_about(path: Path) -> Iterator[None]:
+    """Errors inside are told as being about this file."""
+    name = shown_path(path)
+    try:
+        yield
+    except GarmentImageError as error:
+        if not str(error).startswith(name):
+            error.args = (f"{name}: {error}",)
+        raise
+
+
+def list_facts(facts: dict[str, Any]) -> str:
+    """Facts as a few words."""
+    return ", ".join(f"{name} {value}" for name, value in facts.items())
+
+
+def print_written(options: argparse.Namespace, facts: dict[str, Any]) -> None:
+    """Tell that `options.out` is written, and what it holds."""
+    if options.json:
+        print_json({"out": str(options.out), **facts})
+    else:
+        print(f"{shown_path(options.out)}: written, {list_facts(facts)}")
+
+
+def print_json(data: Any) -> None:
+    """A result as one JSON document."""
+    print(json.dumps(data, indent=1))
+
+
+def report_error(error: GarmentImageError, *, as_json: bool) -> None:
+    """A user's mistake in one sentence, and as a result where JSON is wanted."""
+    if as_json:
+        print_json(error_facts(error))
+    say(f"error: {one_line(error)}")
+
+
+def error_facts(error: GarmentImageError) -> dict[str, Any]:
+    """An error for JSON: its class, its message, and the grid that would do."""
+    facts: dict[str, Any] = {"error": type(error).__name__, "message": str(error)}
+    if isinstance(error, EncodeError) and error.grid is not None:
+        facts["smallest_grid"] = error.grid
+    return facts
+
+
+def warn(path: Path, found: "Iterable[Finding]") -> None:
+    """Findings about a file, a line each."""
+    for finding in found:
+        say(f"warning: {shown_path(path)}: {one_line(finding)}")
+
+
+def one_line(message: object) -> str:
+    """The message without line breaks."""
+    return " ".join(str(message).split())
+
+
+def say(text: str) -> None:
+    """A remark, not a result."""
+    print(text, file=sys.stderr)
