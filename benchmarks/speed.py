@@ -48,7 +48,8 @@ def main() -> None:
             continue
         for name, value in times.items():
             rows[name].append(value)
-    print(f"{len(paths) - refused} files, N = {options.grid}, one core; milliseconds\n")
+    load = os.getloadavg()[0]
+    print(f"{len(paths) - refused} files, N = {options.grid}, one core, load {load:.1f}; in ms\n")
     print(f"{'step':34}{'median':>9}{'90 %':>9}{'worst':>9}")
     for name, values in rows.items():
         if values:

@@ -15,7 +15,10 @@ GRID = 16
 def main(folder: Path) -> int:
     """Make the files of every example in `folder`; 1 where a pattern does not come back."""
     folder.mkdir(parents=True, exist_ok=True)
-    print("Compiling on the first run takes a while; later runs start at once.", flush=True)
+    print("Compiling, once: a minute or two; later runs start at once.", flush=True)
+    start = perf_counter()
+    gi.decode(gi.encode(gi.load_pattern(example_path(example_names()[0])), grid=GRID))
+    print(f"Ready after {perf_counter() - start:.0f} s.")
     failed = 0
     for name in example_names():
         pattern = gi.load_pattern(example_path(name))

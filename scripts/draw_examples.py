@@ -10,6 +10,7 @@ wearer's left is at negative x there, and are placed by half a turn about the ve
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import hypot
 from pathlib import Path
 
@@ -60,7 +61,7 @@ class Named:
 
 def line(name: str, *points: Point) -> list[Named]:
     """Straight edges through the points; more than one get the name with a number."""
-    pairs = list(zip(points, points[1:]))
+    pairs = list(pairwise(points))
     names = [name] if len(pairs) == 1 else [f"{name}_{k}" for k in range(len(pairs))]
     return [Named(n, Line(a, b)) for n, (a, b) in zip(names, pairs)]
 
@@ -361,7 +362,7 @@ def band(name: str, widths: Sequence[float], z: float, turn: float) -> Drawn:
     xs = np.concatenate([[0.0], np.cumsum(widths)]) - sum(widths) / 2
     lower = [(float(x), 0.0) for x in xs]
     chain = [
-        *(Named(f"waist_{k}", Line(a, b)) for k, (a, b) in enumerate(zip(lower, lower[1:]))),
+        *(Named(f"waist_{k}", Line(a, b)) for k, (a, b) in enumerate(pairwise(lower))),
         *line("end_0", lower[-1], (lower[-1][0], height)),
         *line("upper", (lower[-1][0], height), (lower[0][0], height)),
         *line("end_1", (lower[0][0], height), lower[0]),

@@ -6,6 +6,7 @@ panels that run counter-clockwise seen from outside.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from hypothesis import strategies as st
 
@@ -124,7 +125,7 @@ def _for_side(side, named):
 
 
 def _lines(name, points):
-    return [(f"{name}_{k}", Line(a, b)) for k, (a, b) in enumerate(zip(points, points[1:]))]
+    return [(f"{name}_{k}", Line(a, b)) for k, (a, b) in enumerate(pairwise(points))]
 
 
 def _bodice_half(half: Half, design: Design):

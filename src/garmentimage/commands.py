@@ -125,13 +125,18 @@ def _decode_arguments(parser: argparse.ArgumentParser) -> None:
 def _decode(options: argparse.Namespace) -> Exit:
     from garmentimage.pattern.spec import save_pattern
     from garmentimage.raster.decode import decode
+    from garmentimage.raster.repair import repair
 
     _check_out(options.out, (".json",), [options.file])
-    image = _read_image(options.file, options.order)
+    source = _read_image(options.file, options.order)
     with errors_about(options.file):
-        pattern = decode(image, repair=options.repair)
+        image, report = repair(source, options.repair)
+        pattern = decode(image, repair="none")
     save_pattern(pattern, options.out)
-    print_written(options, _pattern_facts(pattern))
+    mended = {rule: int(count) for rule, count in report.counts.items() if count}
+    if mended:
+        say(f"repaired: {shown_path(options.file)}: {list_facts(mended)}")
+    print_written(options, _pattern_facts(pattern), repaired=mended)
     return Exit.OK
 
 

@@ -43,10 +43,10 @@ def list_facts(facts: dict[str, Any]) -> str:
     return ", ".join(f"{name} {value}" for name, value in facts.items())
 
 
-def print_written(options: argparse.Namespace, facts: dict[str, Any]) -> None:
-    """Tell that `options.out` is written, and what it holds."""
+def print_written(options: argparse.Namespace, facts: dict[str, Any], **more: Any) -> None:
+    """Tell that `options.out` is written, and what it holds; `more` is for JSON only."""
     if options.json:
-        print_json({"out": str(options.out), **facts})
+        print_json({"out": str(options.out), **facts, **more})
     else:
         print(f"{shown_path(options.out)}: written, {list_facts(facts)}")
 

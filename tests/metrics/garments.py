@@ -18,8 +18,12 @@ from garmentimage.pattern.model import (
 )
 
 
+def line(a, b):
+    return Line((float(a[0]), float(a[1])), (float(b[0]), float(b[1])))
+
+
 def polygon_loop(*points):
-    return loop_from_curves([Line(a, b) for a, b in pairwise([*points, points[0]])])
+    return loop_from_curves([line(a, b) for a, b in pairwise([*points, points[0]])])
 
 
 def sewn(*pairs):
@@ -32,7 +36,7 @@ def darted_skirt(depths=(10, 14)):
     first, second = (60 - depth for depth in depths)
     waist = [(35, 60), (28, 60), (26, first), (24, 60), (12, 60), (10, second), (8, 60), (0, 60)]
     corners = [(40, 0), *waist]
-    curves: list[Curve] = [Line(a, b) for a, b in pairwise([*corners, (-5.0, 0.0)])]
+    curves: list[Curve] = [line(a, b) for a, b in pairwise([*corners, (-5.0, 0.0)])]
     hem = Bezier((-5.0, 0.0), ((17.0, -6.0),), (40.0, 0.0))
     front = Panel("front", loop_from_curves([*curves, hem]), translation=(0, 0, 20))
     back = Panel(
@@ -106,8 +110,8 @@ def collar():
     """A collar piece whose edge lies on the neck start to start (turned over)."""
     body = Panel("body", polygon_loop((0, 0), (40, 0), (40, 50), (30, 40), (10, 40), (0, 50)))
     arc = Arc((0.0, 0.0), (20.0, 0.0), 12.0, False, True)
-    piece = Panel("collar", loop_from_curves([arc, Line((20, 0), (20, 8)), Line((20, 8), (0, 8)),
-                                              Line((0, 8), (0, 0))]))  # fmt: skip
+    piece = Panel("collar", loop_from_curves([arc, line((20, 0), (20, 8)), line((20, 8), (0, 8)),
+                                              line((0, 8), (0, 0))]))  # fmt: skip
     return Pattern((body, piece), (Stitch(Side("body", 3), Side("collar", 2), True),))
 
 

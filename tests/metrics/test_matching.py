@@ -57,7 +57,7 @@ def test_holes_count():
 
 
 def test_a_circle_has_the_area_of_a_circle():
-    arcs = [Arc((-5, 0), (5, 0), 5, False, True), Arc((5, 0), (-5, 0), 5, False, True)]
+    arcs = [Arc((x, 0.0), (-x, 0.0), 5.0, False, True) for x in (-5.0, 5.0)]
     disk = Panel("disk", loop_from_curves(arcs))
     square = rectangle(20, 20)
     assert panel_iou(disk, square) == pytest.approx(25 * np.pi / 400, rel=0.003)

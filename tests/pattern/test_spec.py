@@ -1,5 +1,6 @@
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -483,3 +484,9 @@ def test_a_pattern_that_no_file_can_hold_is_not_written(tmp_path):
     with pytest.raises(PatternError, match="two panels are named 'front'"):
         save_pattern(twice, tmp_path / "p.json")
     assert not list(Path(tmp_path).iterdir())
+
+
+def test_an_extra_field_that_json_cannot_hold_is_refused(tmp_path):
+    pattern = replace(pattern_from_spec(spec()), extra={"top": {"x": object()}})
+    with pytest.raises(PatternError, match="extra field"):
+        save_pattern(pattern, tmp_path / "p.json")

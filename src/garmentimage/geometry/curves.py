@@ -7,7 +7,7 @@ length, also 0..1. Lengths come from a fixed chord table, so they are the same o
 from dataclasses import dataclass
 from functools import cached_property
 from math import hypot
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -20,22 +20,40 @@ _TABLE_PARAMETERS = np.linspace(0.0, 1.0, CHORDS + 1)
 _ENDS = np.array([0.0, 1.0])
 
 
+@runtime_checkable
 class Curve(Protocol):
     """What every curve here can do."""
 
     @property
-    def start(self) -> Point: ...
+    def start(self) -> Point:
+        """Where it begins."""
+
     @property
-    def end(self) -> Point: ...
+    def end(self) -> Point:
+        """Where it ends."""
+
     @property
-    def is_straight(self) -> bool: ...
-    def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]: ...
-    def split(self, t: float) -> tuple["Curve", "Curve"]: ...
-    def reversed(self) -> "Curve": ...
+    def is_straight(self) -> bool:
+        """Whether it is a line."""
+
+    def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]:
+        """Points at the parameters `t`."""
+
+    def split(self, t: float) -> tuple["Curve", "Curve"]:
+        """The two parts before and after `t`."""
+
+    def reversed(self) -> "Curve":
+        """The same curve walked the other way."""
+
     @property
-    def length(self) -> float: ...
-    def sample(self, count: int) -> Float[np.ndarray, "n 2"]: ...
-    def parameter(self, s: float) -> float: ...
+    def length(self) -> float:
+        """Length along the curve."""
+
+    def sample(self, count: int) -> Float[np.ndarray, "n 2"]:
+        """`count` + 1 points from start to end, evenly spaced by length; the ends are exact."""
+
+    def parameter(self, s: float) -> float:
+        """The parameter t at the share `s` of the length."""
 
 
 class _Measured:

@@ -153,6 +153,14 @@ def iou_matrix(
         any_pose: the best of the eight poses instead of the pose as it is.
         floor: pairs whose areas forbid an IoU of this much are not compared and count as 0.
     """
+    poses = TURNED + MIRRORED if any_pose else TURNED[:1]
+    return iou_by_pose(a, b, poses, floor=floor).max(axis=0)
+
+
+def iou_by_pose(
+    a: Sequence[Panel], b: Sequence[Panel], poses: Sequence[int], *, floor: float = IOU_FLOOR
+) -> Float[np.ndarray, "pose a b"]:
+    """As `iou_matrix`, for each of the given `POSES` of the panels of `b`."""
     import shapely
 
     regions_a = [panel_region(p) for p in a]
@@ -161,14 +169,15 @@ def iou_matrix(
     smaller = np.minimum(area_a[:, None], area_b[None])
     larger = np.maximum(area_a[:, None], area_b[None])
     rows, columns = np.nonzero((larger > 0) & (smaller >= floor * larger))
-    best = np.zeros((len(a), len(b)))
+    iou = np.zeros((len(poses), len(a), len(b)))
     left = _array(regions_a)[rows]
-    for pose in POSES if any_pose else POSES[:1]:
-        posed = _array([shapely.transform(r, lambda xy, m=pose: xy @ m.T) for r in regions_b])
+    for k, pose in enumerate(poses):
+        posed = _array(
+            [shapely.transform(r, lambda xy, m=POSES[pose]: xy @ m.T) for r in regions_b]
+        )
         shared = shapely.area(shapely.intersection(left, posed[columns]))
-        iou = shared / (area_a[rows] + area_b[columns] - shared)
-        best[rows, columns] = np.maximum(best[rows, columns], iou)
-    return best
+        iou[k, rows, columns] = shared / (area_a[rows] + area_b[columns] - shared)
+    return iou
 
 
 def panel_region(panel: Panel) -> "BaseGeometry":

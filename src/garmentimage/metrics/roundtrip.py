@@ -13,17 +13,24 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Float
 
 from garmentimage.errors import GarmentImageError
-from garmentimage.metrics.matching import Matching, iou_matrix, match_panels, matching_from
+from garmentimage.metrics.matching import (
+    POSES,
+    Matching,
+    iou_by_pose,
+    match_panels,
+    matching_from,
+)
 from garmentimage.metrics.stitch_graph import (
-    GraphMatch,
+    PoseTable,
     StitchGraph,
     match_graphs,
     same_stitch_graph,
@@ -144,64 +151,86 @@ def judge(original: Pattern, decoded: Pattern, *, any_pose: bool = False) -> Rou
         faults = []
     else:
         faults = structure_faults(decoded)
-    graphs = stitch_graph(original), stitch_graph(decoded)
-    likeliest = _likeliest(original, decoded, graphs, any_pose=any_pose)
-    reasons = _differences(original, decoded, graphs, likeliest, any_pose=any_pose)
+    task = _Comparison(original, decoded, any_pose)
+    matching, reasons = task.likeliest()
     if reasons:
-        match = _search(original, decoded, graphs, any_pose=any_pose)
-        if match is not None:
-            likeliest = matching_from(original, decoded, match.panels, any_pose=any_pose)
-            reasons = []
-    return _result(original, decoded, likeliest, graphs=graphs, reasons=reasons + faults)
+        found = task.search()
+        if found is not None:
+            matching, reasons = found, []
+    return _result(original, decoded, matching, reasons=reasons + faults, graphs=task.graphs)
 
 
 Graphs = tuple[StitchGraph, StitchGraph]
 
 
-def _likeliest(original: Pattern, decoded: Pattern, graphs: Graphs, *, any_pose: bool) -> Matching:
-    """The assignment of panels, by names or by shape, that explains more."""
-    if any_pose:
-        return match_panels(original, decoded, any_pose=True)
-    by_name = match_panels(original, decoded, by_name=True)
-    if not _differences(original, decoded, graphs, by_name):
-        return by_name
-    by_shape = match_panels(original, decoded)
-    return min(by_name, by_shape, key=lambda m: len(_differences(original, decoded, graphs, m)))
+@dataclass(frozen=True)
+class _Comparison:
+    """Two patterns, and what is worked out of them once."""
 
+    original: Pattern
+    decoded: Pattern
+    any_pose: bool
 
-def _differences(
-    original: Pattern,
-    decoded: Pattern,
-    graphs: Graphs,
-    matching: Matching,
-    *,
-    any_pose: bool = False,
-) -> list[str]:
-    """Why two patterns differ under an assignment of panels."""
-    reasons = []
-    if len(original.panels) != len(decoded.panels):
-        reasons.append(f"{len(decoded.panels)} panels instead of {len(original.panels)}")
-    reasons += [
-        f"panel {p.a!r} comes back with IoU {p.iou:.3f}"
-        for p in matching.pairs
-        if p.iou < SUCCESS_IOU
-    ]
-    return reasons + same_stitch_graph(*graphs, matching.panel_map, any_pose=any_pose)
+    @cached_property
+    def graphs(self) -> Graphs:
+        return stitch_graph(self.original), stitch_graph(self.decoded)
 
+    @cached_property
+    def iou(self) -> Float[np.ndarray, "pose original decoded"]:
+        poses = range(len(POSES)) if self.any_pose else range(1)
+        return iou_by_pose(self.original.panels, self.decoded.panels, poses)
 
-def _search(
-    original: Pattern, decoded: Pattern, graphs: Graphs, *, any_pose: bool
-) -> GraphMatch | None:
-    """Any assignment of panels under which the patterns are the same."""
-    if len(original.panels) != len(decoded.panels):
-        return None
-    iou = iou_matrix(original.panels, decoded.panels, any_pose=any_pose)
-    names = [p.name for p in decoded.panels]
-    candidates = {
-        p.name: [names[j] for j in np.argsort(-row, kind="stable") if row[j] >= SUCCESS_IOU]
-        for p, row in zip(original.panels, iou)
-    }
-    return match_graphs(*graphs, candidates, any_pose=any_pose)
+    @cached_property
+    def poses(self) -> PoseTable | None:
+        """In any pose: those in which two panels are alike enough, or else the best one."""
+        if not self.any_pose:
+            return None
+        return {
+            (p.name, q.name): tuple(np.flatnonzero(iou >= min(SUCCESS_IOU, iou.max())).tolist())
+            for p, row in zip(self.original.panels, self.iou.transpose(1, 2, 0))
+            for q, iou in zip(self.decoded.panels, row)
+        }
+
+    def likeliest(self) -> tuple[Matching, list[str]]:
+        """The assignment of panels by names or by shape that explains more, and its differences."""
+        if self.any_pose:
+            matching = match_panels(self.original, self.decoded, any_pose=True)
+            return matching, self.differences(matching)
+        by_name = match_panels(self.original, self.decoded, by_name=True)
+        reasons = self.differences(by_name)
+        if not reasons:
+            return by_name, reasons
+        by_shape = match_panels(self.original, self.decoded)
+        return min(
+            (by_name, reasons), (by_shape, self.differences(by_shape)), key=lambda c: len(c[1])
+        )
+
+    def differences(self, matching: Matching) -> list[str]:
+        """Why the patterns differ under an assignment of panels."""
+        reasons = []
+        if len(self.original.panels) != len(self.decoded.panels):
+            count, wanted = len(self.decoded.panels), len(self.original.panels)
+            reasons.append(f"{count} panels instead of {wanted}")
+        reasons += [
+            f"panel {p.a!r} comes back with IoU {p.iou:.3f}"
+            for p in matching.pairs
+            if p.iou < SUCCESS_IOU
+        ]
+        return reasons + same_stitch_graph(*self.graphs, matching.panel_map, poses=self.poses)
+
+    def search(self) -> Matching | None:
+        """Any assignment of panels under which the patterns are the same."""
+        if len(self.original.panels) != len(self.decoded.panels):
+            return None
+        names = [p.name for p in self.decoded.panels]
+        candidates = {
+            p.name: [names[j] for j in np.argsort(-row, kind="stable") if row[j] >= SUCCESS_IOU]
+            for p, row in zip(self.original.panels, self.iou.max(axis=0))
+        }
+        match = match_graphs(*self.graphs, candidates, poses=self.poses)
+        if match is None:
+            return None
+        return matching_from(self.original, self.decoded, match.panels, any_pose=self.any_pose)
 
 
 def _result(
@@ -216,7 +245,7 @@ def _result(
     if graphs is not None:
         agreement = seam_agreement(*graphs, matching.panel_map)
         pairs = {p.a: [p.b] for p in matching.pairs}
-        match = match_graphs(*graphs, pairs, any_pose=True, check_lengths=False)
+        match = match_graphs(*graphs, pairs, check_lengths=False, check_places=False)
         if match is not None:
             ours, theirs = (graph.sides for graph in graphs)
             gaps = [abs(ours[k].length - theirs[m].length) for k, m in match.sides.items()]
@@ -244,7 +273,7 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
 
     path = Path(path)
     report = partial(FileReport, _short_name(path), kind_of(path))
-    clock = _Clock()
+    clock = _Clock(path.parent)
     with tempfile.TemporaryDirectory() as folder, clock.catching() as failed:
         with clock.step("load"):
             original, _ = read_pattern(path)
@@ -270,7 +299,7 @@ def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> 
     from garmentimage.raster.decode import decode
     from garmentimage.raster.files import load_image, save_image
 
-    clock = _Clock()
+    clock = _Clock(folder)
     with clock.catching() as failed:
         with clock.step("load image"):
             image: GarmentImage = load_image(saved)
@@ -292,7 +321,9 @@ def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> 
 class _Clock:
     """Times the steps of a trip and knows in which one it ended."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        """Left out of messages: a report should not depend on where files lie."""
         self.times: dict[str, float] = {}
         self.stage = ""
 
@@ -315,7 +346,7 @@ class _Clock:
                 Trip(
                     stage=self.stage,
                     error=type(error).__name__,
-                    message=str(error),
+                    message=str(error).replace(f"{self.folder}{os.sep}", ""),
                     grid=grid,
                     times=self.times,
                 )

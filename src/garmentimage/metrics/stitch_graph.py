@@ -48,6 +48,10 @@ SEARCH_LIMIT = 500_000
 """Seam sides visited before the search for a panel assignment gives up."""
 
 
+PoseTable = Mapping[tuple[str, str], tuple[int, ...]]
+"""For panels (of the first graph, of the second): indices of `POSES` the second may be seen in."""
+
+
 @dataclass(frozen=True)
 class SeamSide:
     """One side of a seam: a run of edges of one loop, sewn to another run."""
@@ -257,7 +261,7 @@ def match_graphs(
     b: StitchGraph,
     candidates: Mapping[str, Sequence[str]],
     *,
-    any_pose: bool = False,
+    poses: PoseTable | None = None,
     check_lengths: bool = True,
     check_places: bool = True,
 ) -> GraphMatch | None:
@@ -267,8 +271,7 @@ def match_graphs(
         a: the graph that should be.
         b: the graph that is.
         candidates: for each panel of `a` the panels of `b` that it may be, the best first.
-        any_pose: panels may be turned by quarters in their own coordinates, and mirrored where
-            their outlines run in opposite directions.
+        poses: how panels may lie in their own coordinates; default: as they are.
         check_lengths: demand that stitched lengths agree (`lengths_agree`).
         check_places: demand that seams lie at the same places of a panel (`places_agree`).
 
@@ -280,10 +283,9 @@ def match_graphs(
         return None
     fitting = {
         p: {
-            q: _poses(a.panels[p], b.panels[q], any_pose)
+            q: _poses(a, p, b, q, poses)
             for q in candidates.get(p, ())
-            if _same_counts(a, p, b, q)
-            and (not check_places or _poses(a.panels[p], b.panels[q], any_pose))
+            if _same_counts(a, p, b, q) and (not check_places or _poses(a, p, b, q, poses))
         }
         for p in a.panels
     }
@@ -308,11 +310,13 @@ def _same_counts(a: StitchGraph, p: str, b: StitchGraph, q: str) -> bool:
     return a.panels[p].loops == b.panels[q].loops and len(a.by_panel[p]) == len(b.by_panel[q])
 
 
-def _poses(a: PanelNode, b: PanelNode, any_pose: bool) -> tuple[int, ...]:
-    """Which of `POSES` keep the outer face outside: mirrored ones where the outlines differ."""
-    if any_pose:
-        return MIRRORED if a.clockwise != b.clockwise else TURNED
-    return () if a.clockwise != b.clockwise else TURNED[:1]
+def _poses(
+    a: StitchGraph, p: str, b: StitchGraph, q: str, poses: PoseTable | None
+) -> tuple[int, ...]:
+    """The poses that keep the outer face outside: mirrored where the outlines run differently."""
+    allowed = TURNED[:1] if poses is None else poses.get((p, q), ())
+    kept = MIRRORED if a.panels[p].clockwise != b.panels[q].clockwise else TURNED
+    return tuple(k for k in allowed if k in kept)
 
 
 def _match_loose(
@@ -420,7 +424,11 @@ def _posed(point: Point, pose: int) -> Point:
 
 
 def same_stitch_graph(
-    a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str], *, any_pose: bool = False
+    a: StitchGraph,
+    b: StitchGraph,
+    panel_map: Mapping[str, str],
+    *,
+    poses: PoseTable | None = None,
 ) -> list[str]:
     """Why two stitch graphs differ under a given assignment of panels; empty where they agree.
 
@@ -428,7 +436,7 @@ def same_stitch_graph(
         a: the graph that should be; the reasons use its panel names.
         b: the graph that is.
         panel_map: panels of `a` -> panels of `b`.
-        any_pose: as in `match_graphs`.
+        poses: as in `match_graphs`.
     """
     lonely = [f"panel {p!r} has no counterpart" for p in a.panels if p not in panel_map]
     found = set(panel_map.values())
@@ -436,13 +444,13 @@ def same_stitch_graph(
     if lonely:
         return lonely
     fixed = {p: (q,) for p, q in panel_map.items()}
-    if match_graphs(a, b, fixed, any_pose=any_pose) is not None:
+    if match_graphs(a, b, fixed, poses=poses) is not None:
         return []
-    placed = match_graphs(a, b, fixed, any_pose=any_pose, check_lengths=False)
+    placed = match_graphs(a, b, fixed, poses=poses, check_lengths=False)
     if placed is not None:
         return _length_reasons(a, b, placed)
-    if match_graphs(a, b, fixed, any_pose=any_pose, check_lengths=False, check_places=False):
-        return _place_reasons(a, b, panel_map, any_pose)
+    if match_graphs(a, b, fixed, poses=poses, check_lengths=False, check_places=False):
+        return _place_reasons(a, b, panel_map, poses)
     return _topology_reasons(a, b, panel_map)
 
 
@@ -459,12 +467,10 @@ def _length_reasons(a: StitchGraph, b: StitchGraph, match: GraphMatch) -> list[s
 
 
 def _place_reasons(
-    a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str], any_pose: bool
+    a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str], poses: PoseTable | None
 ) -> list[str]:
     inside_out = [
-        f"panel {p!r} is inside out"
-        for p, q in panel_map.items()
-        if not _poses(a.panels[p], b.panels[q], any_pose)
+        f"panel {p!r} is inside out" for p, q in panel_map.items() if not _poses(a, p, b, q, poses)
     ]
     return inside_out or ["seams lie at other places of their panels"]
 

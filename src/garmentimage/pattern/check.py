@@ -240,7 +240,7 @@ def check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
         )
     match edge.curvature:
         case Circle(radius):
-            if not (isfinite(radius) and radius >= chord / 2 * (1 - ARC_TOL)):
+            if not chord / 2 * (1 - ARC_TOL) <= radius <= COORDINATE_LIMIT:
                 raise PatternError(
                     f"{where}: an arc of radius {radius:g} cm cannot join points {chord:g} cm "
                     f"apart; the radius must be at least {chord / 2:g} cm"

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from garmentimage.errors import ImageError
+from garmentimage.files import shown_path
 
 NPY_MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK"
@@ -46,15 +47,18 @@ def read_file(path: Path) -> bytes:
     try:
         if not path.is_file():
             reason = "is a folder" if path.is_dir() else "there is no such file"
-            raise ImageError(f"{path}: {reason}")
+            raise ImageError(f"{shown_path(path)}: {reason}")
         size = path.stat().st_size
         if size > FILE_LIMIT:
-            raise ImageError(f"{path}: {size / 2**20:.0f} MiB; a GarmentImage is far smaller")
+            raise ImageError(
+                f"{shown_path(path)}: {size / 2**20:.0f} MiB; a GarmentImage is far smaller"
+            )
         return path.read_bytes()
     except (OSError, ValueError) as error:
         if isinstance(error, ImageError):
             raise
-        raise ImageError(f"{path}: cannot be read ({_first_line(error)})") from None
+        reason = getattr(error, "strerror", None) or _first_line(error)
+        raise ImageError(f"{shown_path(path)}: cannot be read ({reason})") from None
 
 
 def parse_npy(data: bytes, where: str) -> np.ndarray:

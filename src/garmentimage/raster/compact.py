@@ -176,9 +176,9 @@ def _constraints(flat, lens, mask, var, along, width, height):  # type: ignore[n
                     cell = flat[v, other] * length + flat[v, along]
                     owner[cell] = var[v]
                     if k and flat[v, other] == flat[v - 1, other]:
-                        move[
-                            flat[v, other] * length + min(flat[v, along], flat[v - 1, along])
-                        ] = True
+                        move[flat[v, other] * length + min(flat[v, along], flat[v - 1, along])] = (
+                            True
+                        )
             at += lens[i]
         for line in range(cells // length):
             last = -1

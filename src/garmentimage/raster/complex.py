@@ -133,7 +133,7 @@ def _open_rings(placed: Placed) -> Placed:
         for loop in panel.loops:
             first = len(curves)
             for k in loop:
-                pieces = (panel.curves[k],)
+                pieces: tuple[np.ndarray, ...] = (panel.curves[k],)
                 if (i, k) in rings:
                     pieces = cut_polyline(panel.curves[k], 0.5)
                 parts[i, k] = tuple((i, len(curves) + n) for n in range(len(pieces)))

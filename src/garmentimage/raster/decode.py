@@ -6,12 +6,14 @@ panels their names, frames and places back, and join the parts of split panels a
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from numba import njit
 
 from garmentimage.errors import DecodeError
+from garmentimage.geometry.crossings import contains, touching_sides
 from garmentimage.geometry.curves import Curve
 from garmentimage.geometry.polygons import centroid, signed_area
 from garmentimage.pattern.model import (
@@ -35,9 +37,9 @@ from garmentimage.raster.outlines import (
     join_parts,
     trace_boundary,
 )
-from garmentimage.raster.refit import Part, cut_run
 from garmentimage.raster.repair import RepairLevel
 from garmentimage.raster.repair import repair as repair_image
+from garmentimage.raster.seams import CutLoop, cut_into_edges
 
 POSITION_WEIGHT = 1e-6
 """Weight of the position term of Eq. 2; it only fixes where the panel lies."""
@@ -53,22 +55,27 @@ ORTHOGONAL_TOL = 1e-3
 _SAMPLES = np.arange(16) / 16
 
 EFFORTS = (
-    # (keep chords, sew up overlapping slits, pull towards the undeformed grid)
-    (False, False, 0.0),
-    (True, False, 0.0),
-    (True, True, 0.0),
-    (True, True, 0.5),
-    (True, True, 1.0),
+    # (sew up overlapping slits, pull towards the undeformed grid)
+    (False, 0.0),
+    (True, 0.0),
+    (True, 0.5),
+    (True, 1.0),
 )
-"""What is tried in turn for a panel whose outline would cross itself."""
+"""What is tried in turn for a panel whose very polyline crosses itself."""
+
+STRAIGHTEN_ROUNDS = 4
+"""How often runs that cross are made straight one by one; then all runs of their panels are."""
+
+SMALLEST_PANEL_CM2 = 1e-3
 
 
 def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") -> Pattern:
     """The sewing pattern that an image shows.
 
     Deterministic, for any garment. A panel's boundary is refitted to lines and smooth curves; one
-    edge of it has one partner. A panel that would cross itself keeps its polyline, then has
-    overlapping slits sewn up, then is pulled towards the undeformed grid.
+    edge of it has one partner. Where curves would cross, the polyline stays; a panel whose very
+    polyline crosses itself has overlapping slits sewn up, then is pulled towards the undeformed
+    grid.
 
     Args:
         image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
@@ -81,30 +88,52 @@ def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") ->
     image, _ = repair_image(image, level=repair)
     if not image.inside.any():
         raise DecodeError("the image is empty: no cell is inside a panel")
-    labels, count = label_panels(image.inside, image.edge_type)
-    marks = _marks_of_clusters(image, labels, count)
-    layer_of = np.empty(count, np.int64)
+    labels, panel_count = label_panels(image.inside, image.edge_type)
+    marks = _marks_of_clusters(image, labels, panel_count)
+    layer_of = np.empty(panel_count, np.int64)
     layer_of[labels[labels >= 0]] = np.nonzero(labels >= 0)[0]
     meshes = [
         cell_mesh(labels[layer] == k, image.edge_type[layer]) for k, layer in enumerate(layer_of)
     ]
-    effort = np.zeros(count, np.int64)
+    clusters, boundary = _simple_outlines(image, layer_of.tolist(), meshes)
+    return _draw(image, clusters, marks, boundary)
+
+
+def _simple_outlines(
+    image: GarmentImage, layer_of: Sequence[int], meshes: Sequence[CellMesh]
+) -> tuple[list[Cluster], Boundary]:
+    """Unfold all clusters such that no outline crosses itself.
+
+    Raises:
+        DecodeError: one does whatever is tried.
+    """
+    effort = np.zeros(len(meshes), np.int64)
+    clusters = [
+        Cluster(layer, mesh, _unfold(image, layer, mesh, 0.0))
+        for layer, mesh in zip(layer_of, meshes, strict=True)
+    ]
     while True:
-        clusters = [
-            Cluster(int(layer), mesh, _unfold(image, int(layer), mesh, EFFORTS[e][2]))
-            for layer, mesh, e in zip(layer_of, meshes, effort, strict=True)
-        ]
-        pattern, crossing = _assemble(image, clusters, marks, effort)
-        if not crossing.any():
-            return pattern
-        if (effort[crossing] == len(EFFORTS) - 1).any():
-            row, col = meshes[int(np.flatnonzero(crossing)[0])].cells[0]
-            raise DecodeError(
-                f"{crossing.sum()} panel(s) cross themselves, the first at row {row}, column {col} "
-                f"of layer {image.layer_names[layer_of[np.flatnonzero(crossing)[0]]]!r}: the "
-                "deformation or the edge types there make no outline"
-            )
-        effort[crossing] += 1
+        boundary = trace_boundary(image, clusters)
+        sewn_up = {k for k, e in enumerate(effort) if EFFORTS[e][0]}
+        if sewn_up:
+            boundary = close_slits(boundary, clusters, sewn_up)
+        outlines: list[list[np.ndarray]] = [[] for _ in clusters]
+        for loop in boundary.loops:
+            outlines[int(boundary.cluster[loop[0]])].append(boundary.tail[loop])
+        faulty = [k for k, polygons in enumerate(outlines) if not _is_outline(polygons)]
+        if not faulty:
+            return clusters, boundary
+        for k in faulty:
+            effort[k] += 1
+            if effort[k] == len(EFFORTS):
+                row, col = meshes[k].cells[0]
+                raise DecodeError(
+                    f"the panel at row {row}, column {col} of layer "
+                    f"{image.layer_names[layer_of[k]]!r} crosses itself: the deformation or the "
+                    "edge types there make no outline"
+                )
+            vertices = _unfold(image, layer_of[k], meshes[k], EFFORTS[effort[k]][1])
+            clusters[k] = replace(clusters[k], vertices=vertices)
 
 
 def unfold_cells(
@@ -169,10 +198,10 @@ def _normal_equations(start, end, wanted, positions, weight):  # type: ignore[no
 
 
 def _marks_of_clusters(
-    image: GarmentImage, labels: Int[np.ndarray, "layer row col"], count: int
+    image: GarmentImage, labels: Int[np.ndarray, "layer row col"], panel_count: int
 ) -> list[PanelMark | None]:
     """The mark of each cluster, found by its cell; the first where several name one cluster."""
-    marks: list[PanelMark | None] = [None] * count
+    marks: list[PanelMark | None] = [None] * panel_count
     for mark in image.marks:
         row, col = mark.cell
         if not (0 <= mark.layer < image.layers and 0 <= row < image.grid and 0 <= col < image.grid):
@@ -187,62 +216,93 @@ def _frame_matrix(cluster: Cluster, mark: PanelMark | None) -> Float[np.ndarray,
     """Raster frame = matrix @ panel frame; a back panel without a mark is seen from outside."""
     if mark is not None:
         matrix = np.array(mark.matrix, float)
-        if np.allclose(matrix @ matrix.T, np.eye(2), atol=ORTHOGONAL_TOL):
+        if np.abs(matrix @ matrix.T - np.eye(2)).max() < ORTHOGONAL_TOL:
             return matrix
     return np.diag([float(cluster.outward), 1.0])
 
 
-def _assemble(
+def _draw(
     image: GarmentImage,
     clusters: Sequence[Cluster],
     marks: Sequence[PanelMark | None],
-    effort: Int[np.ndarray, " cluster"],
-) -> tuple[Pattern, Bool[np.ndarray, " cluster"]]:
-    """The pattern, and which clusters have an outline that crosses itself."""
-    boundary = trace_boundary(image, clusters)
-    sewn_up = {k for k, e in enumerate(effort) if EFFORTS[e][1]}
-    if sewn_up:
-        boundary = close_slits(boundary, clusters, sewn_up)
+    boundary: Boundary,
+) -> Pattern:
+    """The pattern with the given outlines: parts joined, edges refitted, panels placed."""
     matrices = [_frame_matrix(c, m) for c, m in zip(clusters, marks, strict=True)]
-    boundary, shifts = _to_panel_frames(boundary, matrices, marks)
-    boundary, whole = join_parts(boundary, [None if m is None else m.split_of for m in marks])
+    apart, shifts = _to_panel_frames(boundary, clusters, matrices, marks)
+    part_of = [None if m is None else m.split_of for m in marks]
+    straight: set[int] = set()
+    for turn in count(1):
+        boundary, whole = join_parts(apart, part_of)
+        loops = boundary.loops
+        seams = cut_into_edges(boundary, loops, straight)
+        polygons = [_polygon(loop.curves) for loop in seams.loops]
+        members: dict[int, list[int]] = {}
+        for index, loop in enumerate(loops):
+            members.setdefault(int(whole[boundary.cluster[loop[0]]]), []).append(index)
+        for own in members.values():
+            if len(own) > 1:
+                own.sort(key=lambda i: -abs(signed_area(polygons[i])))
+        faulty = [k for k, own in members.items() if not _is_outline([polygons[i] for i in own])]
+        if not faulty:
+            break
+        for k in faulty:
+            cut = [seams.loops[i] for i in members[k]]
+            curved = _curved_runs(cut, [polygons[i] for i in members[k]], seams.chords)
+            if turn > STRAIGHTEN_ROUNDS:
+                curved = {run for loop in cut for run in loop.runs}
+            if curved <= straight:
+                # Only joining can have brought polylines to cross: these parts do not fit.
+                part_of = [None if whole[i] == k else name for i, name in enumerate(part_of)]
+            straight |= curved
 
-    chords = np.array([EFFORTS[e][0] for e in effort])
-    loops, stitches = _cut_edges(boundary, chords)
-    polygons = [_polygon(edges) for edges in loops]
-    areas = [abs(signed_area(p)) for p in polygons]
-    members: dict[int, list[int]] = {}
-    for index, loop in enumerate(boundary.loops):
-        members.setdefault(int(whole[boundary.cluster[loop[0]]]), []).append(index)
     names = panel_names(image, clusters, marks, whole)
-    panels, crossing = [], np.zeros(len(clusters), bool)
-    edge_place: dict[int, tuple[str, int]] = {}
-    for k in sorted(members):
-        order = sorted(members[k], key=lambda i: -areas[i])
-        crossing[whole == k] = _is_crossing([polygons[i] for i in order])
+    panels = []
+    place: dict[int, tuple[str, int]] = {}
+    for k, own in sorted(members.items()):
         first = 0
-        for i in order:
-            edge_place[i] = names[k], first
-            first += len(loops[i])
-        outline = polygons[order[0]]
-        mark, joined = marks[k], bool((whole == k).sum() > 1)
-        move = np.zeros(2)
-        if mark is not None and not joined:
-            move = np.array(mark.anchor) - centroid(outline)
-        panels.append(
-            _place_panel(
-                names[k],
-                [_moved(loop_from_curves(loops[i]), move) for i in order],
-                clusters[k],
-                mark,
-                matrices[k],
-                shifts[k] - matrices[k] @ move,
-            )
-        )
-    if crossing.any():
-        return Pattern(()), crossing
-    sewn = tuple(Stitch(_side(edge_place, a), _side(edge_place, b)) for a, b in stitches)
-    return Pattern(tuple(panels), sewn, image.name), crossing
+        for i in own:
+            place[i] = names[k], first
+            first += len(seams.loops[i].curves)
+        mark, move = marks[k], np.zeros(2)
+        if mark is not None and (whole == k).sum() == 1:
+            move = np.array(mark.anchor) - centroid(polygons[own[0]])
+        drawn = [_moved(loop_from_curves(seams.loops[i].curves), move) for i in own]
+        shift = shifts[k] - matrices[k] @ move
+        panels.append(_place_panel(names[k], drawn, clusters[k], mark, matrices[k], shift))
+    sewn = tuple(Stitch(_side(place, a), _side(place, b)) for a, b in seams.stitches)
+    return Pattern(tuple(panels), sewn, image.name)
+
+
+def _is_outline(polygons: Sequence[np.ndarray]) -> bool:
+    """Whether loops can bound a panel: an outline and holes in it, none crossing or touching."""
+    if not polygons or any(len(p) < 3 for p in polygons):
+        return False
+    areas = [abs(signed_area(p)) for p in polygons]
+    outline = polygons[int(np.argmax(areas))]
+    return bool(
+        max(areas) > SMALLEST_PANEL_CM2
+        and not len(touching_sides(polygons))
+        and all(p is outline or contains(outline, p[0]) for p in polygons)
+    )
+
+
+def _curved_runs(
+    loops: Sequence[CutLoop], polygons: Sequence[np.ndarray], chords: Mapping[int, int]
+) -> set[int]:
+    """Of every two runs that cross, the curved one with fewer points to hold it."""
+    run_of = [
+        run if not curve.is_straight else NONE
+        for loop in loops
+        for curve, run in zip(loop.curves, loop.runs, strict=True)
+        for _ in range(1 if curve.is_straight else len(_SAMPLES))
+    ]
+    runs = set()
+    for pair in touching_sides(polygons).tolist():
+        curved = [run_of[i] for i in pair if run_of[i] != NONE]
+        if curved:
+            runs.add(min(curved, key=lambda run: (chords[run], run)))
+    return runs
 
 
 def _side(place: Mapping[int, tuple[str, int]], edge: tuple[int, int]) -> Side:
@@ -252,6 +312,7 @@ def _side(place: Mapping[int, tuple[str, int]], edge: tuple[int, int]) -> Side:
 
 def _to_panel_frames(
     boundary: Boundary,
+    clusters: Sequence[Cluster],
     matrices: Sequence[np.ndarray],
     marks: Sequence[PanelMark | None],
 ) -> tuple[Boundary, list[Float[np.ndarray, " 2"]]]:
@@ -261,92 +322,24 @@ def _to_panel_frames(
         The boundary, and for each cluster where the raster frame puts the panel's origin.
     """
     tail, head = boundary.tail.copy(), boundary.head.copy()
-    shifts: list[np.ndarray] = [np.zeros(2)] * len(matrices)
-    outlines: dict[int, list[int]] = {}
+    # Parts of split panels must find their places exactly; the others are moved once refitted.
+    middles = [c.vertices.mean(axis=0) for c in clusters]
+    sizes = [0.0] * len(clusters)
     for loop in boundary.loops:
         k = int(boundary.cluster[loop[0]])
-        if k not in outlines or abs(signed_area(tail[loop])) > abs(signed_area(tail[outlines[k]])):
-            outlines[k] = loop
+        mark = marks[k]
+        if mark is not None and mark.split_of is not None:
+            size = abs(signed_area(tail[loop]))
+            if size > sizes[k]:
+                sizes[k], middles[k] = size, centroid(tail[loop])
+    shifts = []
     for k, (matrix, mark) in enumerate(zip(matrices, marks, strict=True)):
         anchor = np.zeros(2) if mark is None else np.array(mark.anchor, float)
+        shifts.append(middles[k] - matrix @ anchor)
         own = boundary.cluster == k
-        middle = centroid(tail[outlines[k]])
-        shifts[k] = middle - matrix @ anchor
         tail[own] = (tail[own] - shifts[k]) @ matrix
         head[own] = (head[own] - shifts[k]) @ matrix
     return replace(boundary, tail=tail, head=head), shifts
-
-
-def _cut_edges(
-    boundary: Boundary, chords: Bool[np.ndarray, " cluster"]
-) -> tuple[list[list[Curve]], list[tuple[tuple[int, int], tuple[int, int]]]]:
-    """Every loop as edges, and which edges are sewn together, as (loop, edge) pairs."""
-    loops = boundary.loops
-    starts = _run_starts(boundary, loops)
-    runs: dict[int, list[int]] = {}
-    order: list[list[int]] = []
-    for loop in loops:
-        turn = next(i for i, k in enumerate(loop) if starts[k])
-        loop = loop[turn:] + loop[:turn]
-        order.append([])
-        for k in loop:
-            if starts[k]:
-                order[-1].append(k)
-                runs[k] = []
-            runs[order[-1][-1]].append(k)
-
-    cut: dict[int, list[Part]] = {}
-    sewn_to: dict[int, int] = {}
-    for k, run in runs.items():
-        if k in cut:
-            continue
-        points = np.concatenate([boundary.tail[run], boundary.head[run[-1:]]])
-        keep = bool(chords[boundary.cluster[run]].any())
-        if boundary.partner[k] == NONE:
-            cut[k] = cut_run((points,), chords=keep)
-            continue
-        other = boundary.partner[run]
-        partner = int(other[-1])
-        facing = np.concatenate([boundary.head[other], boundary.tail[other[-1:]]])
-        keep |= bool(chords[boundary.cluster[other]].any())
-        parts = cut_run((points, facing), chords=keep)
-        cut[k] = [Part(p.first, p.last, p.curves[:1]) for p in parts]
-        cut[partner] = [Part(p.first, p.last, (p.curves[1].reversed(),)) for p in reversed(parts)]
-        sewn_to[k] = partner
-
-    place: dict[int, tuple[int, int]] = {}
-    edges: list[list[Curve]] = []
-    for index, heads in enumerate(order):
-        curves: list[Curve] = []
-        for k in heads:
-            place[k] = (index, len(curves))
-            curves.extend(p.curves[0] for p in cut[k])
-        edges.append(curves)
-    stitches: list[tuple[tuple[int, int], tuple[int, int]]] = []
-    for k, partner in sewn_to.items():
-        (loop_a, a), (loop_b, b) = place[k], place[partner]
-        count = len(cut[k])
-        stitches.extend(((loop_a, a + i), (loop_b, b + count - 1 - i)) for i in range(count))
-    return edges, stitches
-
-
-def _run_starts(boundary: Boundary, loops: Sequence[Sequence[int]]) -> Bool[np.ndarray, " half"]:
-    """Where runs begin; a loop with one fate all round begins where it turns most."""
-    starts = boundary.seam_starts
-    for loop in loops:
-        if starts[loop].any():
-            continue
-        d = boundary.head[loop] - boundary.tail[loop]
-        before = np.roll(d, 1, axis=0)
-        turn = np.abs(
-            np.arctan2(before[:, 0] * d[:, 1] - before[:, 1] * d[:, 0], (before * d).sum(1))
-        )
-        k = loop[int(np.argmax(turn))]
-        starts[k] = True
-        partner = boundary.partner[boundary.preceding[k]]
-        if partner != NONE:
-            starts[partner] = True
-    return starts
 
 
 def _place_panel(
@@ -386,62 +379,3 @@ def _polygon(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
     return np.concatenate(
         [np.array([c.start]) if c.is_straight else c.at(_SAMPLES) for c in curves]
     )
-
-
-def _is_crossing(polygons: Sequence[np.ndarray]) -> bool:
-    """Whether an outline with its holes touches itself, or has no area, or a hole lies outside."""
-    if any(len(p) < 3 for p in polygons):
-        return True
-    points = np.concatenate(polygons)
-    onward = np.arange(1, len(points) + 1)
-    ends = np.cumsum([len(p) for p in polygons])
-    onward[ends - 1] = ends - [len(p) for p in polygons]
-    outer = polygons[0]
-    return bool(
-        abs(signed_area(outer)) < 1e-3
-        or any(not _contains(outer, hole[0]) for hole in polygons[1:])
-        or _touches(points, onward)
-    )
-
-
-def _contains(polygon: np.ndarray, point: np.ndarray) -> bool:
-    """Even-odd test."""
-    a, b = polygon, np.roll(polygon, -1, axis=0)
-    spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
-    a, b = a[spans], b[spans]
-    x = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-    return bool((x > point[0]).sum() % 2)
-
-
-@njit(cache=True)
-def _touches(points, onward):  # type: ignore[no-untyped-def]
-    """Whether two sides of closed polygons, not neighbours, have a point in common."""
-    count = len(points)
-    for i in range(count):
-        ax, ay = points[i]
-        bx, by = points[onward[i]]
-        low_x, high_x = min(ax, bx), max(ax, bx)
-        low_y, high_y = min(ay, by), max(ay, by)
-        for j in range(i + 1, count):
-            cx, cy = points[j]
-            dx, dy = points[onward[j]]
-            if max(cx, dx) < low_x or min(cx, dx) > high_x:
-                continue
-            if max(cy, dy) < low_y or min(cy, dy) > high_y:
-                continue
-            if onward[i] == j or onward[j] == i:
-                # Neighbours share a point; they touch elsewhere only where one folds back.
-                ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
-                if (
-                    abs(ux * vy - uy * vx) < 1e-9 * (abs(ux * vx + uy * vy))
-                    and ux * vx + uy * vy < 0
-                ):
-                    return True
-                continue
-            s1 = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-            s2 = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
-            s3 = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
-            s4 = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
-            if s1 * s2 <= 0 and s3 * s4 <= 0:
-                return True
-    return False

@@ -123,8 +123,11 @@ def _with_link(drawing: Drawing, layer: int, node: int) -> Drawing:
     for first, second in zip(star, star[1:] + star[:1]):
         gap = (second[0] - first[0]) % (2 * np.pi)
         single = all(drawing.layers[x[1]] == 1 << layer for x in (first, second))
-        if single and drawing.free[[first[1], second[1]]].all() and first[1] != second[1] and (
-            best is None or gap < best[0]
+        if (
+            single
+            and drawing.free[[first[1], second[1]]].all()
+            and first[1] != second[1]
+            and (best is None or gap < best[0])
         ):
             best = (gap, first, second)
     if best is None:

@@ -34,7 +34,7 @@ ATTEMPTS = ((1.0, 5.0), (1.5, 9.0), (2.0, 16.0))
 """(factor on the fine lattice, corridor in fine steps), tried in turn."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
-LARGER_GRIDS = (24, 32, 48, 64)
+LARGER_GRIDS = (32, 64)
 """Grids that are tried to say which one would do."""
 
 
@@ -56,17 +56,17 @@ def encode(pattern: Pattern, grid: int = 16, *, frame: BodyFrame | None = None) 
     """
     if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
         raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
-    complex_ = seam_complex(place(pattern))
+    layouts_ = _Kept(layouts(seam_complex(place(pattern))))
     if frame is not None:
-        return _encode(pattern, complex_, frame)
+        return _encode(pattern, layouts_, frame)
     try:
-        return _encode(pattern, complex_, BodyFrame.standard(grid))
+        return _encode(pattern, layouts_, BodyFrame.standard(grid))
     except EncodeError as error:
         for larger in LARGER_GRIDS:
             if larger <= grid:
                 continue
             try:
-                _encode(pattern, complex_, BodyFrame.standard(larger))
+                _encode(pattern, layouts_, BodyFrame.standard(larger))
             except EncodeError:
                 continue
             raise EncodeError(
@@ -75,15 +75,29 @@ def encode(pattern: Pattern, grid: int = 16, *, frame: BodyFrame | None = None) 
         raise
 
 
-def _encode(pattern: Pattern, complex_: SeamComplex, frame: BodyFrame) -> GarmentImage:
+class _Kept:
+    """Layouts, drawn when first asked for and kept for the next grid."""
+
+    def __init__(self, source: Iterator[Layout]) -> None:
+        self._source = source
+        self._drawn: list[Layout] = []
+
+    def __iter__(self) -> Iterator[Layout]:
+        yield from self._drawn
+        for layout in self._source:
+            self._drawn.append(layout)
+            yield layout
+
+
+def _encode(pattern: Pattern, layouts_: _Kept, frame: BodyFrame) -> GarmentImage:
     first: EncodeError | None = None
-    for layout in layouts(complex_):
+    for layout in layouts_:
         for paths in _drawings(layout, frame):
             if isinstance(paths, EncodeError):
                 first = first or paths
                 continue
             try:
-                return _image(pattern, complex_, paths, frame)
+                return _image(pattern, layout.complex, paths, frame)
             except EncodeError as error:
                 first = first or error
     raise first or EncodeError("the pattern has no layout")

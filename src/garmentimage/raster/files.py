@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from garmentimage.errors import ImageError, OutputError
-from garmentimage.files import write_atomically
+from garmentimage.files import shown_path, write_atomically
 from garmentimage.raster.arrays import (
     NPY_MAGIC,
     ZIP_MAGIC,
@@ -61,7 +61,9 @@ def save_image(image: GarmentImage, path: str | Path) -> None:
         case ".npy":
             data = npy_bytes(to_authors(image))
         case suffix:
-            raise OutputError(f"{path}: images end in .npz or .npy, not {suffix or 'without one'}")
+            raise OutputError(
+                f"{shown_path(path)}: images end in .npz or .npy, not {suffix or 'without one'}"
+            )
     write_atomically(path, data)
 
 
@@ -82,10 +84,10 @@ def load_image(path: str | Path, *, order: ChannelOrder | str | None = None) -> 
         return replace(image, name=path.stem)
     if data.startswith(ZIP_MAGIC):
         try:
-            return _from_arrays(parse_npz(data, str(path), _ARRAYS), path)
+            return _from_arrays(parse_npz(data, shown_path(path), _ARRAYS), path)
         except ImageError as error:
             raise _naming(path, error) from None
-    raise ImageError(f"{path}: not an .npz or .npy file")
+    raise ImageError(f"{shown_path(path)}: not an .npz or .npy file")
 
 
 def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) -> np.ndarray:
@@ -102,7 +104,7 @@ def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) 
 
 def _channels(data: bytes, path: Path, order: ChannelOrder | str | None) -> np.ndarray:
     try:
-        array = check_channels(parse_npy(data, str(path)))
+        array = check_channels(parse_npy(data, shown_path(path)))
         chosen = order_of(array) if order is None else ChannelOrder(order)
         if chosen is ChannelOrder.AUTHORS:
             if len(array) != 34:
@@ -115,8 +117,8 @@ def _channels(data: bytes, path: Path, order: ChannelOrder | str | None) -> np.n
 
 def _naming(path: Path, error: Exception) -> ImageError:
     """The same error, naming the file once."""
-    text = str(error)
-    return ImageError(text if text.startswith(str(path)) else f"{path}: {text}")
+    text, name = str(error), shown_path(path)
+    return ImageError(text if text.startswith(name) else f"{name}: {text}")
 
 
 def _to_arrays(image: GarmentImage) -> dict[str, np.ndarray]:

@@ -81,9 +81,7 @@ class BodyFrame:
     def to_lattice(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Body positions [cm] as lattice coordinates; beyond the grid the last cell goes on."""
         points = np.asarray(points, float)
-        return np.stack(
-            [_map(points[:, 0], self.columns), _map(points[:, 1], self.rows)], axis=1
-        )
+        return np.stack([_map(points[:, 0], self.columns), _map(points[:, 1], self.rows)], axis=1)
 
     def to_body(self, lattice: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Lattice coordinates as body positions [cm]."""

@@ -14,14 +14,15 @@ from jaxtyping import Float, Int
 
 from garmentimage.geometry.polygons import centroid
 from garmentimage.raster.complex import SeamComplex
-from garmentimage.raster.relax import INNER, Rows, Samples, ramp
+from garmentimage.raster.relax import INNER, Rows, Samples, ramp, turned_share
 
 WEDGE = 0.2 / 3.0
 """Opening of a gap of 1 cm, per cm from the node; other gaps in proportion."""
 ROW_WEIGHT = 0.375
 """Strength of a row per cm of boundary; each pair of boundaries has rows both ways."""
-SURELY_BEHIND, NOT_BEHIND = -20.0, -10.0
-"""Boundaries this far [cm] on the wrong side of each other near the node do not face each other."""
+BEHIND, FAR_BEHIND = (-6.0, -2.0), (-20.0, -10.0)
+"""Boundaries this far [cm] on the wrong side of each other near their node do not face each other,
+fading; the second pair away from turned seams (trouser legs may lie crossed)."""
 NEAR_NODE = (10.0, 14.0)
 """What counts as near the node, fading [cm]."""
 CHORD_START = (2.0, 6.0)
@@ -37,7 +38,8 @@ LEAST_WEIGHT = 1e-6
 class _Chain:
     """A run of boundary that leaves a node and has no neighbour on its own layer."""
 
-    panel: int
+    key: tuple[int, int, int]
+    """Panel, first edge, and 1 where the run follows the loop or -1 where it runs against it."""
     ids: Int[np.ndarray, " n"]
     points: Float[np.ndarray, "n 2"]
     along: Float[np.ndarray, " n"]
@@ -46,9 +48,7 @@ class _Chain:
     """Side of the outside: normal = hand x (direction turned to the right)."""
 
 
-def facing_rows(
-    complex: SeamComplex, samples: Samples, gap: float, chord: bool
-) -> Rows:
+def facing_rows(complex: SeamComplex, samples: Samples, gap: float, chord: bool) -> Rows:
     """Wishes that facing boundaries open up to `gap` [cm].
 
     Two boundaries face each other where the cloth lies on their far sides. That is judged where
@@ -69,8 +69,8 @@ def facing_rows(
         for chains in meeting.values()
         for a in chains
         for b in chains
-        if a.panel != b.panel
-        for rows in _wedge(a, b, gap, chord)
+        if a.key[0] != b.key[0]
+        for rows in _wedge(a, b, _lenience(complex, a, b), gap, chord)
     ]
     return Rows.joined(parts) if parts else Rows.none()
 
@@ -98,12 +98,15 @@ def _chains(complex: SeamComplex, samples: Samples) -> Iterator[tuple[int, _Chai
                     )
                     points = samples.rest[here][at]
                     steps = np.hypot(*np.diff(points, axis=0).T)
-                    yield panel.layer, _Chain(
-                        panel=i,
-                        ids=samples.ids[here][at],
-                        points=points,
-                        along=np.concatenate([[0.0], np.cumsum(steps)]),
-                        hand=float(panel.sign * step),
+                    yield (
+                        panel.layer,
+                        _Chain(
+                            key=(i, loop[k], step),
+                            ids=samples.ids[here][at],
+                            points=points,
+                            along=np.concatenate([[0.0], np.cumsum(steps)]),
+                            hand=float(panel.sign * step),
+                        ),
                     )
 
 
@@ -112,7 +115,7 @@ def _is_alone(complex: SeamComplex, panel: int, edge: int, layer: int) -> bool:
     return sum(complex.placed.panels[p].layer == layer for p, _, _ in arc.sides) == 1
 
 
-def _wedge(a: _Chain, b: _Chain, gap: float, chord: bool) -> Iterator[Rows]:
+def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> Iterator[Rows]:
     """Rows from the samples of `a` to the points of `b` at the same distance from the node."""
     reach = min(a.along[-1], b.along[-1])
     s = a.along[(a.along > 0) & (a.along <= reach)]
@@ -137,13 +140,14 @@ def _wedge(a: _Chain, b: _Chain, gap: float, chord: bool) -> Iterator[Rows]:
     span = (a.along[np.minimum(q + 1, len(a.along) - 1)] - a.along[q - 1]) / 2
     size = np.abs(apart)
     lean = (size[:, 0] - size[:, 1]) / np.maximum(size.sum(axis=1), 1e-9)
-    for axis, share in ((0, ramp(lean, -AXIS_BLEND, AXIS_BLEND)), (1, 1 - ramp(lean, -AXIS_BLEND, AXIS_BLEND))):
+    sideways = ramp(lean, -AXIS_BLEND, AXIS_BLEND)
+    for axis, share in ((0, sideways), (1, 1 - sideways)):
         sign = np.where(apart[:, axis] >= 0, 1.0, -1.0)
-            behind = sign * offset[:, axis]
-        sane = ramp(behind, *(NARROW_BEHIND if narrow else BEHIND)) 
-        sane = np.maximum(sane, ramp(s, *NEAR_NODE))
+        behind = sign * offset[:, axis]
+        sane = np.maximum(ramp(behind, *BEHIND), lenience * ramp(behind, *FAR_BEHIND))
+        sane = np.where(share > 0, np.maximum(sane, ramp(s, *NEAR_NODE)), 1.0)
         weight = ROW_WEIGHT * span * taper * share
-        weight = weight * np.minimum.accumulate(np.minimum(reached, np.where(share > 0, sane, 1.0)))
+        weight = weight * np.minimum.accumulate(np.minimum(reached, sane))
         (use,) = np.nonzero(weight > LEAST_WEIGHT)
         yield Rows(
             base=a.ids[q][use],
@@ -154,6 +158,28 @@ def _wedge(a: _Chain, b: _Chain, gap: float, chord: bool) -> Iterator[Rows]:
             distance=np.minimum(gap, WEDGE * gap * s)[use],
             weight=weight[use],
         )
+
+
+def _lenience(complex: SeamComplex, a: _Chain, b: _Chain) -> float:
+    """How far two chains that lie on the wrong side of each other may still face each other.
+
+    1 where the cloth round their node is sewn from one to the other, as between trouser legs; 0
+    where it is not, or by a seam that is turned: one end of that seam has the panels on their
+    far sides, the other has them crossed for good.
+    """
+    panel, edge, step = a.key
+    while True:
+        loop = next(loop for loop in complex.placed.panels[panel].loops if edge in loop)
+        edge, step = loop[(loop.index(edge) - step) % len(loop)], -step
+        if _is_alone(complex, panel, edge, complex.placed.panels[panel].layer):
+            return float((panel, edge, step) == b.key)
+        arc = complex.arcs[complex.owner[panel, edge][0]]
+        turned = turned_share(complex, arc)
+        if turned > 0 or (panel, edge, step) == a.key:
+            return 1.0 - turned
+        mine = next(side for side in arc.sides if side[:2] == (panel, edge))
+        other = next(side for side in arc.sides if side[:2] != (panel, edge))
+        panel, edge, step = other[0], other[1], step if mine[2] == other[2] else -step
 
 
 def _directions(chain: _Chain, chord: bool) -> np.ndarray:
@@ -175,6 +201,8 @@ CLEARANCE = 1.8
 """Distance that panels keep which share no node [cm]."""
 WATCHED = 3.0
 """Pairs of boundary points up to this much farther apart are watched [cm]."""
+REACH = 1.0
+"""A boundary that ends this far [cm] above or below a point no more keeps it away."""
 
 
 def clearance_rows(
@@ -199,36 +227,56 @@ def clearance_rows(
                 continue
             if np.intersect1d(rings[i], rings[j]).size:
                 continue
-            parts.append(_apart(samples, points, i, j, centres[j] - centres[i]))
+            parts.append(_apart(complex, samples, points, i, j, centres[j] - centres[i]))
     return Rows.joined(parts) if parts else Rows.none()
 
 
 def _apart(
-    samples: Samples, points: np.ndarray, i: int, j: int, towards: np.ndarray
+    complex: SeamComplex,
+    samples: Samples,
+    points: np.ndarray,
+    i: int,
+    j: int,
+    towards: np.ndarray,
 ) -> Rows:
-    """Rows from the samples of panel `i` to the boundary of panel `j`, which lies `towards`."""
+    """Rows from the samples of panel `i` to the boundary of panel `j`, which lies `towards`.
+
+    Each row weighs as much as the two boundaries face each other, so none comes or goes at once.
+    """
     axis = int(abs(towards[1]) > abs(towards[0]))
     sign = 1.0 if towards[axis] >= 0 else -1.0
-    mine, part = samples.ids[samples.panel(i)], samples.panel(j)
-    start, end = samples.ids[part], samples.ids[samples.following[part]]
-    level = points[mine][:, None, 1 - axis]
-    a, b = points[start, 1 - axis], points[end, 1 - axis]
-    rise = np.where(np.abs(b - a) > 1e-9, b - a, 1e-9)
-    at = (level - a) / rise
-    place = points[start, axis] + at * (points[end, axis] - points[start, axis])
-    distance = np.where((at >= 0) & (at <= 1), sign * (place - points[mine][:, None, axis]), np.inf)
-    nearest = distance.argmin(axis=1)
-    rows = np.arange(len(mine))
-    (use,) = np.nonzero(distance[rows, nearest] < CLEARANCE + WATCHED)
-    k = nearest[use]
-    steps = points[mine] - points[np.roll(mine, 1)]
-    spans = np.hypot(*steps.T)
+    mine, _, ahead, behind = _outer_steps(complex, samples, points, i)
+    start, end, step, _ = _outer_steps(complex, samples, points, j)
+    # The outward side of a boundary lies to the right of its direction.
+    outward = complex.placed.panels[i].sign * (1 if axis == 0 else -1) * sign
+    facing = np.maximum(outward * (ahead + behind)[:, 1 - axis] / 2, 0.0)
+    inward = -complex.placed.panels[j].sign * (1 if axis == 0 else -1) * sign
+    faced = np.maximum(inward * step[:, 1 - axis] / (np.hypot(*step.T) + 1e-9), 0.0)
+    rise = np.where(np.abs(step[:, 1 - axis]) > 1e-9, step[:, 1 - axis], 1e-9)
+    unbounded = (points[mine, 1 - axis][:, None] - points[start, 1 - axis]) / rise
+    at = np.clip(unbounded, 0.0, 1.0)
+    present = 1.0 - ramp(np.abs(unbounded - at) * np.abs(rise), 0.0, REACH)
+    place = points[start, axis] + at * step[:, axis]
+    near = sign * (place - points[mine, axis][:, None]) < CLEARANCE + WATCHED
+    weight = ROW_WEIGHT * present * facing[:, None] * faced
+    row, k = np.nonzero(near & (weight > LEAST_WEIGHT))
     return Rows(
-        base=mine[use],
+        base=mine[row],
         second=np.stack([start[k], end[k]], axis=1),
-        at=at[use, k],
-        axis=np.full(len(use), axis),
-        sign=np.full(len(use), sign),
-        distance=np.full(len(use), CLEARANCE),
-        weight=ROW_WEIGHT * np.maximum(spans[use], LEAST_WEIGHT),
+        at=at[row, k],
+        axis=np.full(len(row), axis),
+        sign=np.full(len(row), sign),
+        distance=np.full(len(row), CLEARANCE),
+        weight=weight[row, k],
     )
+
+
+def _outer_steps(
+    complex: SeamComplex, samples: Samples, points: np.ndarray, panel: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Samples round the outer loop, the samples after them, and the steps ahead and behind."""
+    count = len(complex.placed.panels[panel].loops[0]) * (INNER + 1)
+    here = samples.ids[samples.start[panel] : samples.start[panel] + count]
+    following = np.roll(here, -1)
+    ahead = points[following] - points[here]
+    return here, following, ahead, np.roll(ahead, 1, axis=0)

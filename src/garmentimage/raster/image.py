@@ -138,9 +138,7 @@ class GarmentImage:
         return np.concatenate(blocks).astype(np.float32)
 
     @classmethod
-    def from_channels(
-        cls, array: np.ndarray, like: "GarmentImage | None" = None
-    ) -> "GarmentImage":
+    def from_channels(cls, array: np.ndarray, like: "GarmentImage | None" = None) -> "GarmentImage":
         """The image that `to_channels` would give `array` for; hard decisions, no repair.
 
         Flags are taken at > 0.5 and types at the largest of the four values, so probabilities

@@ -6,15 +6,18 @@ first. Each step is a fixed computation: no search, no randomness, and no choice
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.geometry.polygons import signed_area
+from garmentimage.geometry.polygons import resample, signed_area
 from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.gaps import clearance_rows, facing_rows
+from garmentimage.raster.place import FRONT
 from garmentimage.raster.relax import (
+    INNER,
     Constrained,
     Energy,
     Rows,
@@ -26,19 +29,28 @@ from garmentimage.raster.relax import (
     turned_load,
 )
 
+if TYPE_CHECKING:
+    import shapely
+
 GAP = 3.0
 """Width of a fully opened gap [cm]."""
+FIRST = "rigid"
+"""The step that nearly every garment is clean at."""
 WIDE_GAPS = (("tangent", 9.0), ("chord", 9.0), ("tangent", 15.0))
 
+FOLD_TOL = 4.0
+"""Loops of a panel that crosses itself may have this area [cm²]: no more than routing mends."""
 OVERLAP_TOL = 12.0
 """Panels may overlap by this area [cm²]: routing sorts out slivers."""
 
+REFINED = 2
+"""Steps of a finished curve per step between samples."""
 TURNS = 60
 """Most as-rigid-as-possible rounds."""
-CLEARANCE_ROUNDS = 4
-"""Most rounds of keeping panels apart that share no node."""
 SETTLED = 0.02
 """Movement at which such rounds end [cm]."""
+CLEARANCE_ROUNDS = 3
+"""Rounds of keeping panels apart that share no node; always as many, so that nothing jumps."""
 
 
 @dataclass(frozen=True)
@@ -72,32 +84,33 @@ def layouts(complex: SeamComplex) -> Iterator[Layout]:
     chords; with wider gaps; as rigid as possible; with split halves, then with the panels at
     fault, as membranes. Then the others, those with the fewest problems first.
     """
-    desk = _Desk.of(complex)
+    desk = _Desk(complex)
     faulty = []
-    for step in _cascade(desk, faulty):
-        layout, at_fault = desk.draw(step)
+    at_fault: set[int] = set()
+    for step in _cascade(complex, at_fault):
+        layout, found = desk.draw(step)
+        at_fault |= found if step.stage == FIRST else set()
         if layout.problems:
-            faulty.append((layout, at_fault))
+            faulty.append(layout)
         else:
             yield layout
-    yield from sorted((layout for layout, _ in faulty), key=lambda one: len(one.problems))
+    yield from sorted(faulty, key=lambda one: len(one.problems))
 
 
-def _cascade(desk: "_Desk", faulty: list[tuple[Layout, set[int]]]) -> Iterator[_Step]:
-    yield _Step("rigid")
-    at_fault = faulty[0][1] if faulty else set()
+def _cascade(complex: SeamComplex, at_fault: set[int]) -> Iterator[_Step]:
+    """Steps in order; `at_fault` is read once the first step is drawn."""
+    yield _Step(FIRST)
     yield _Step("chord", chord=True)
     for kind, gap in WIDE_GAPS:
         yield _Step(f"{kind} gap {gap:g}", chord=kind == "chord", gap=gap)
     yield _Step("turning", turning=True)
     yield _Step("chord turning", turning=True, chord=True)
-    panels = desk.complex.placed.panels
+    panels = complex.placed.panels
     halves = {i for i, p in enumerate(panels) if p.half}
-    if halves & at_fault:
-        yield _Step("front membranes", membranes=frozenset(i for i in halves if not panels[i].layer))
-        yield _Step("half membranes", membranes=frozenset(halves))
-    if at_fault:
-        yield _Step("membranes", membranes=frozenset(at_fault))
+    front = {i for i in halves if panels[i].layer == FRONT}
+    for stage, soft in (("front", front), ("half", halves), ("faulty", at_fault)):
+        if soft & at_fault:
+            yield _Step(f"{stage} membranes", membranes=frozenset(soft))
 
 
 @dataclass(frozen=True)
@@ -105,18 +118,28 @@ class _Desk:
     """What all drawings of one garment share."""
 
     complex: SeamComplex
-    samples: Samples
-    stiffness: Float[np.ndarray, " p"]
 
-    @classmethod
-    def of(cls, complex: SeamComplex) -> "_Desk":
-        return cls(complex, sample(complex), stiffness_of(complex.placed))
+    @cached_property
+    def samples(self) -> Samples:
+        return sample(self.complex)
+
+    @cached_property
+    def stiffness(self) -> Float[np.ndarray, " p"]:
+        return stiffness_of(self.complex.placed)
+
+    @cached_property
+    def _ground(self) -> tuple[np.ndarray, Energy]:
+        return self._prepared(frozenset())
+
+    def _prepared(self, membranes: frozenset[int]) -> tuple[np.ndarray, Energy]:
+        """Rest positions with the panels brought together, and the energy."""
+        shifts = gather(self.complex.placed, self.stiffness, membranes)
+        rest = self.samples.rest + np.repeat(shifts, np.diff(self.samples.start), axis=0)
+        return rest, energy(self.complex, self.samples, rest, self.stiffness, membranes)
 
     def draw(self, step: _Step) -> tuple[Layout, set[int]]:
         """A layout, and the panels at fault in it."""
-        shifts = gather(self.complex.placed, self.stiffness, step.membranes)
-        rest = self.samples.rest + np.repeat(shifts, np.diff(self.samples.start), axis=0)
-        base = energy(self.complex, self.samples, rest, self.stiffness, step.membranes)
+        rest, base = self._prepared(step.membranes) if step.membranes else self._ground
         facing = facing_rows(self.complex, self.samples, step.gap, step.chord)
         soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
         turned = partial(
@@ -134,10 +157,8 @@ class _Desk:
             near = clearance_rows(self.complex, self.samples, points)
             if not len(near.base):
                 break
-            before, points = points, _settle(base, Rows.joined([facing, near]), turn)
-            if np.abs(points - before).max() < SETTLED:
-                break
-        curves = tuple(points[chain] for chain in self.samples.arcs)
+            points = _settle(base, Rows.joined([facing, near]), turn)
+        curves = _refined(self.complex, self.samples, rest, points)
         problems, at_fault = find_problems(self.complex, curves)
         return Layout(self.complex, curves, step.stage, problems), at_fault
 
@@ -155,6 +176,35 @@ def _settle(
     return points
 
 
+def _refined(
+    complex: SeamComplex,
+    samples: Samples,
+    rest: Float[np.ndarray, "r 2"],
+    points: Float[np.ndarray, "n 2"],
+) -> tuple[np.ndarray, ...]:
+    """The arcs through all samples, with the curvature of their edges between them.
+
+    Each side's edge is carried along with its samples; an arc is the mean of its two sides.
+    """
+    fine = np.linspace(0, 1, REFINED * (INNER + 1) + 1)
+    shares = fine[::REFINED]
+    curves = [np.zeros((len(fine), 2)) for _ in complex.arcs]
+    for i, panel in enumerate(complex.placed.panels):
+        first = samples.start[i]
+        shift = rest[first] - samples.rest[first]
+        for k, curve in enumerate(panel.curves):
+            arc, back = complex.owner[i, k]
+            own = resample(curve, fine) + shift
+            own = own[::-1] if back else own
+            moved = points[samples.arcs[arc]] - own[::REFINED]
+            for axis in (0, 1):
+                own[:, axis] += np.interp(fine, shares, moved[:, axis])
+            curves[arc] += own / len(complex.arcs[arc].sides)
+    for curve, chain in zip(curves, samples.arcs):
+        curve[::REFINED] = points[chain]
+    return tuple(curves)
+
+
 def find_problems(
     complex: SeamComplex, curves: tuple[np.ndarray, ...]
 ) -> tuple[tuple[str, ...], set[int]]:
@@ -169,11 +219,10 @@ def find_problems(
     shapes = []
     for i, panel in enumerate(panels):
         rings = [_ring(complex, curves, i, loop) for loop in panel.loops]
-        shape = shapely.Polygon(rings[0], rings[1:])
-        if not shape.is_valid or signed_area(rings[0]) * panel.sign <= 0:
+        shape, folded = _largest_part(shapely.Polygon(rings[0], rings[1:]))
+        if folded > FOLD_TOL or signed_area(rings[0]) * panel.sign <= 0:
             problems.append(f"panel {panel.name!r} folds over itself")
             at_fault.add(i)
-            shape = shape.buffer(0)
         shapes.append(shape)
     near = shapely.STRtree(shapes).query(shapes).T
     pairs = [(i, j) for i, j in near if i < j and panels[i].layer == panels[j].layer]
@@ -185,6 +234,20 @@ def find_problems(
             )
             at_fault |= {i, j}
     return tuple(problems), at_fault
+
+
+def _largest_part(shape: "shapely.Polygon") -> tuple["shapely.Geometry", float]:
+    """A polygon without the small loops that it makes where it crosses itself, and their area."""
+    import shapely
+
+    if shape.is_valid:
+        return shape, 0.0
+    parts = [p for p in shapely.get_parts(shapely.make_valid(shape)) if p.area > 0]
+    parts = [part for p in parts for part in shapely.get_parts(p)]
+    areas = [p.area for p in parts]
+    if not parts:
+        return shapely.Polygon(), np.inf
+    return parts[int(np.argmax(areas))], sum(areas) - max(areas)
 
 
 def _ring(

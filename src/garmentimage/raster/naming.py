@@ -68,7 +68,7 @@ def _body_box(image: GarmentImage, cluster: Cluster) -> np.ndarray:
 
 
 def _name(image: GarmentImage, cluster: Cluster) -> str:
-    (left, bottom), (right, top) = _body_box(image, cluster)
+    left, right = _body_box(image, cluster)[:, 0]
     face = "front" if cluster.outward > 0 else "back"
     central = left < -CENTRE_TOL_CM and right > CENTRE_TOL_CM
     kind = _kind(image, cluster, central=central)
@@ -85,7 +85,7 @@ def _kind(image: GarmentImage, cluster: Cluster, *, central: bool) -> str:
         return "cuff" if near > ELBOW_CM and width < BAND_CM else "sleeve"
     if bottom > SHOULDER_CM - CENTRE_TOL_CM:
         return "collar" if height < BAND_CM else "hood"
-    if height < BAND_CM and width > 2 * height and CROTCH_CM < top and bottom < ARMPIT_CM:
+    if height < BAND_CM and width > 2 * height and top > CROTCH_CM and bottom < ARMPIT_CM:
         return "waistband"
     if top > WAIST_CM + BAND_CM:
         return "bodice" if bottom > CROTCH_CM - BAND_CM else "dress"

@@ -72,7 +72,7 @@ class Boundary:
 
     @property
     def seam_starts(self) -> Bool[np.ndarray, " half"]:
-        """Where a run of half-edges with one fate begins: a seam, the leg of a dart, a free edge."""
+        """Where a run of half-edges with one fate begins: a seam, a dart's leg, a free edge."""
         before = self.preceding
         mine, theirs = self.partner, self.partner[before]
         free = (mine == NONE) & (theirs == NONE)

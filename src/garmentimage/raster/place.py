@@ -43,6 +43,9 @@ DEPTH_DEAD_ZONE = 1.0
 PLAIN_ANGLE = 12.0
 """Panels turned by less than this [degrees] from upright or lying are meant so."""
 
+UPRIGHT_PULL = 15.0
+"""Length [cm] of an upright seam that would keep the half of a split panel upright."""
+
 AXIS_CLEARANCE = 1.0
 """Distance that the halves of a side panel keep from the body's axis [cm]."""
 
@@ -113,18 +116,13 @@ def place(pattern: Pattern) -> Placed:
     matrices = _matrices(cloth)
     poses = {id(p): (m, _offset(cloth, p, m)) for p, m in zip(cloth.pieces, matrices)}
     pieces = sorted(cloth.pieces, key=lambda p: _place_key(cloth, p))
-    where = {
-        edge: (i, k) for i, p in enumerate(pieces) for k, edge in enumerate(_flat(p.loops))
-    }
+    where = {edge: (i, k) for i, p in enumerate(pieces) for k, edge in enumerate(_flat(p.loops))}
     panels = tuple(_placed(cloth, p, *poses[id(p)]) for p in pieces)
-    seams = sorted(
-        (
-            PlacedSeam(*sorted((where[e], where[o])), crossed, e in cloth.cuts)
-            for e, (o, crossed) in cloth.sewn.items()
-            if where[e] < where[o]
-        ),
-        key=lambda s: (s.a, s.b),
-    )
+    seams = []
+    for edge, (other, crossed) in cloth.sewn.items():
+        if where[edge] < where[other]:
+            seams.append(PlacedSeam(where[edge], where[other], crossed, edge in cloth.cuts))
+    seams.sort(key=lambda s: (s.a, s.b))
     for seam in seams:
         _check_flat(panels, seam)
     return Placed(panels, tuple(seams))
@@ -144,9 +142,7 @@ def floor_shift(pattern: Pattern) -> float:
 
 def middle_depth(cloth: Cloth) -> float:
     """Depth of the plane between front and back: midway between their mean frontal panels."""
-    depths = np.array(
-        [cloth.centre(p)[2] for p in cloth.pieces if abs(p.rotation[2, 2]) > FRONTAL]
-    )
+    depths = np.array([cloth.centre(p)[2] for p in cloth.pieces if abs(p.rotation[2, 2]) > FRONTAL])
     if not len(depths) or np.ptp(depths) <= LAYER_DEPTH:
         return 0.0
     halfway = (depths.max() + depths.min()) / 2
@@ -178,11 +174,15 @@ def _matrices(cloth: Cloth) -> list[np.ndarray]:
             matrices[i] = choices[0]
         else:
             askew[i] = choices
-    links = _links(cloth) if askew else []
+    links = _links(cloth)
     while askew:
         known = {i: [k for k in links if k[0] == i and k[1] in matrices] for i in askew}
         i = max(askew, key=lambda i: (sum(k[4] for k in known[i]), -_lean(cloth, cloth.pieces[i])))
         matrices[i] = max(askew.pop(i), key=lambda m: _agreement(m, known[i], matrices))
+    whole = {i: m for i, m in matrices.items() if not cloth.pieces[i].half}
+    for i in matrices.keys() - whole.keys():
+        known_links = [k for k in links if k[0] == i and k[1] in whole]
+        matrices[i] = _leaning(matrices[i], known_links, whole)
     return [matrices[i] for i in range(len(cloth.pieces))]
 
 
@@ -202,15 +202,28 @@ def _links(cloth: Cloth) -> list[Link]:
     return links
 
 
-def _agreement(
-    matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]
-) -> float:
+def _agreement(matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]) -> float:
     """How well the sides of a piece point the way of the sides that they are sewn to [cm]."""
     agreement = 0.0
     for _, partner, mine, theirs, size in links:
         along = matrix @ mine @ (matrices[partner] @ theirs)
         agreement += along * size / (np.hypot(*mine) * np.hypot(*theirs) + 1e-9)
     return agreement
+
+
+def _leaning(matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]) -> np.ndarray:
+    """The pose of a half, turned so that its seams lean as those that they are sewn to.
+
+    Least squares over the directions, with `UPRIGHT_PULL` towards the upright.
+    """
+    along, across = UPRIGHT_PULL, 0.0
+    for _, partner, mine, theirs, size in links:
+        (x, y), (u, v) = matrix @ mine, matrices[partner] @ theirs
+        scale = size / (np.hypot(x, y) * np.hypot(u, v) + 1e-9)
+        along += scale * (x * u + y * v)
+        across += scale * (x * v - y * u)
+    size = np.hypot(along, across)
+    return np.array([[along, -across], [across, along]]) @ matrix / size
 
 
 def _lean(cloth: Cloth, piece: Piece) -> float:

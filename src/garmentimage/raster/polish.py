@@ -10,7 +10,8 @@ import numpy as np
 from numba import njit
 
 from garmentimage.raster.drawing import Drawing, Path
-from garmentimage.raster.route import FAR, _sift_down, _sift_up, distance_field
+from garmentimage.raster.heap import drop_first, push
+from garmentimage.raster.route import FAR, distance_field
 
 NODE_PULL = 4.0
 """Energy of a node, per squared distance from its target [cells²]."""
@@ -52,8 +53,7 @@ def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Pat
         drawing.least, drawing.wish, width, low, high, axis,
     )  # fmt: skip
     return [
-        np.stack([table[i, :n] % width, table[i, :n] // width], axis=1)
-        for i, n in enumerate(lens)
+        np.stack([table[i, :n] % width, table[i, :n] // width], axis=1) for i, n in enumerate(lens)
     ]
 
 
@@ -119,12 +119,8 @@ def _draw(  # type: ignore[no-untyped-def]
     cap = MOST_STATES - 1
     while size > 0:
         key, state = keys[0], items[0]
-        size -= 1
-        keys[0], items[0] = keys[size], items[size]
-        _sift_down(keys, items, size)
+        size = drop_first(keys, items, size)
         if key > cost[state] or key >= best:
-            if key >= best:
-                break
             continue
         vertex, length = state // MOST_STATES, state % MOST_STATES
         for direction in range(4):
@@ -148,9 +144,7 @@ def _draw(  # type: ignore[no-untyped-def]
             if total < cost[index] - 1e-12 and size < len(keys):
                 cost[index] = total
                 previous[index] = state
-                keys[size], items[size] = total, index
-                _sift_up(keys, items, size)
-                size += 1
+                size = push(keys, items, size, total, index)
     if best_state < 0:
         return 0, limit
     count, state = 1, best_state

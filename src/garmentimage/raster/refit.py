@@ -10,7 +10,9 @@ each grid point lies at its share of the *curve's* length, which gives the edge 
 even from two or three chords, and with it the seam's length.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -30,7 +32,7 @@ QUADRATIC_TOL_CM = 0.05
 QUADRATIC_TOL_SHARE = 0.0015
 """A quadratic curve this near is taken before a cubic is tried."""
 
-CORNER = np.deg2rad(60.0)
+CORNER = np.deg2rad(72.0)
 """A turn between two chords that is a corner wherever it stands."""
 
 SHARP_TURN = np.deg2rad(12.0)
@@ -49,6 +51,10 @@ STRETCH_LIMIT = 1.2
 
 CHORD_SHARE = 0.2
 """A run that comes back this near to its start, as a share of its length, is two curves or more."""
+
+SMOOTH_JOINT = np.deg2rad(12.0)
+"""Where a run was cut only because one curve would not do, and two curved parts meet at less than
+this angle, they meet smoothly. At seam ends and beside lines patterns do have kinks this small."""
 
 _FIT_ROUNDS = 5
 _TABLE = 48
@@ -78,7 +84,7 @@ def cut_run(sides: tuple[Float[np.ndarray, "n 2"], ...], *, chords: bool = False
     corners = np.logical_or(looks[0][1], looks[-1][1])
     cuts = [0, *(np.flatnonzero(corners) + 1).tolist(), count - 1]
     parts: list[Part] = []
-    for first, last in zip(cuts[:-1], cuts[1:], strict=True):
+    for first, last in pairwise(cuts):
         parts.extend(_fit_parts(sides, first, last, turns))
     return parts
 
@@ -98,6 +104,44 @@ def fit_curve(points: Float[np.ndarray, "n 2"]) -> Curve | None:
     return Bezier(start, tuple(_point(c) for c in controls[:kind]), end)
 
 
+def _join_smoothly(before: Curve, after: Curve) -> tuple[Curve, Curve]:
+    """Turn the ends of two curves that meet nearly smoothly until they do.
+
+    Only control points move; both keep their ends and, to second order, their lengths.
+    """
+    if before.is_straight or after.is_straight:
+        return before, after
+    into, out = _direction(before.reversed()), _direction(after)
+    into = -into[0], -into[1]
+    angle = math.atan2(into[0] * out[1] - into[1] * out[0], into[0] * out[0] + into[1] * out[1])
+    if abs(angle) > SMOOTH_JOINT:
+        return before, after
+    turned = _turn_start(before.reversed(), angle / 2).reversed()
+    return turned, _turn_start(after, -angle / 2)
+
+
+def _direction(curve: Curve) -> tuple[float, float]:
+    """From the start of a curve towards its first control point, or its end."""
+    (x, y), (u, v) = curve.start, curve.controls[0] if isinstance(curve, Bezier) else curve.end
+    return u - x, v - y
+
+
+def _turn_start(curve: Curve, angle: float) -> Curve:
+    """The curve with the direction at its start turned; one control point becomes two."""
+    if not isinstance(curve, Bezier):
+        return curve
+    controls = curve.controls
+    if len(controls) == 1:
+        (cx, cy) = controls[0]
+        ends = (curve.start, curve.end)
+        controls = tuple(((x + 2 * cx) / 3, (y + 2 * cy) / 3) for x, y in ends)
+    (x, y), (cx, cy) = curve.start, controls[0]
+    cos, sin = math.cos(angle), math.sin(angle)
+    dx, dy = cx - x, cy - y
+    turned = (x + cos * dx - sin * dy, y + sin * dx + cos * dy)
+    return Bezier(curve.start, (turned, controls[1]), curve.end)
+
+
 def _fit_parts(
     sides: tuple[np.ndarray, ...], first: int, last: int, turns: np.ndarray
 ) -> list[Part]:
@@ -108,7 +152,11 @@ def _fit_parts(
         curve = fit_curve(side[first : last + 1])
         if curve is None:
             cut = first + 1 + int(np.argmax(turns[first : last - 1]))
-            return _fit_parts(sides, first, cut, turns) + _fit_parts(sides, cut, last, turns)
+            head, tail = _fit_parts(sides, first, cut, turns), _fit_parts(sides, cut, last, turns)
+            meeting = zip(head[-1].curves, tail[0].curves, strict=True)
+            before, after = zip(*(_join_smoothly(a, b) for a, b in meeting), strict=True)
+            head[-1], tail[0] = replace(head[-1], curves=before), replace(tail[0], curves=after)
+            return head + tail
         curves.append(curve)
     return [Part(first, last, tuple(curves))]
 

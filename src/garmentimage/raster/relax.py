@@ -17,15 +17,16 @@ because rest positions are not turned. Paper: the paper aligns panels by hand in
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float, Int
 from numba import njit
 
 from garmentimage.geometry.polygons import centroid, resample
-from garmentimage.raster.complex import SeamComplex
-from garmentimage.raster.place import Placed
+from garmentimage.raster.complex import Arc, SeamComplex
 from garmentimage.raster.image import EdgeType
+from garmentimage.raster.place import Placed
 
 INNER = 10
 """Samples inside an arc, K."""
@@ -76,17 +77,21 @@ def sample(complex: SeamComplex) -> Samples:
     ends = np.array([(arc.a, arc.b) for arc in complex.arcs])
     arcs = np.concatenate([ends[:, :1], inner, ends[:, 1:]], axis=1)
     shares = np.linspace(0, 1, INNER + 2)
-    ids, rest, following, start = [], [], [], [0]
+    ids: list[np.ndarray] = []
+    rest: list[np.ndarray] = []
+    following: list[np.ndarray] = []
+    start = [0]
+    total = 0
     for i, panel in enumerate(complex.placed.panels):
         for loop in panel.loops:
-            first = sum(map(len, ids))
             for k in loop:
                 arc, back = complex.owner[i, k]
                 ids.append((arcs[arc, ::-1] if back else arcs[arc])[:-1])
                 rest.append(resample(panel.curves[k], shares)[:-1])
             size = len(loop) * (INNER + 1)
-            following.append(first + (np.arange(size) + 1) % size)
-        start.append(sum(map(len, ids)))
+            following.append(total + (np.arange(size) + 1) % size)
+            total += size
+        start.append(total)
     return Samples(
         arcs=arcs,
         count=nodes + count * INNER,
@@ -108,7 +113,7 @@ def stiffness_of(placed: Placed) -> Float[np.ndarray, " p"]:
     return 1.0 - (1.0 - LIMB) * np.maximum(sleeve, hood)
 
 
-def ramp(x: np.ndarray, low: float, high: float) -> np.ndarray:
+def ramp(x: np.ndarray | float, low: float, high: float) -> np.ndarray:
     """0 up to `low`, 1 from `high` on, linear between."""
     return np.clip((x - low) / (high - low), 0.0, 1.0)
 
@@ -206,7 +211,7 @@ def energy(
     for arc, vector, strength in _turned_seams(complex, samples, rest):
         chain = samples.arcs[arc]
         steps = len(chain) - 1
-        for u, v in zip(chain[:-1], chain[1:]):
+        for u, v in pairwise(chain):
             matrix[[u, v], [u, v]] += strength * steps / 4
             matrix[[u, v], [v, u]] -= strength * steps / 4
             anchor_load[v] += strength / 4 * vector
@@ -396,24 +401,28 @@ def _turned_seams(
     wishes = []
     middle: np.ndarray | None = None
     for i, arc in enumerate(complex.arcs):
-        if len(arc.sides) < 2 or arc.slit:
-            continue
-        chords = [_chord(complex, side) for side in arc.sides]
-        sizes = [float(np.hypot(*c)) for c in chords]
-        cosine = float(chords[0] @ chords[1]) / (sizes[0] * sizes[1] + 1e-9)
-        strength = float(ramp(np.array(-cosine), -TURN_FROM, -TURN_FULLY))
+        strength = turned_share(complex, arc)
         if strength <= 0:
             continue
         if arc.kind == EdgeType.SIDE_BY_SIDE:
             wishes.append((i, _between_panels(complex, i), LONG_STRENGTH * strength))
             continue
-        strength *= 1 - float(ramp(np.array(arc.length), SHORT_FULLY, SHORT_UP_TO))
+        strength *= 1 - float(ramp(arc.length, SHORT_FULLY, SHORT_UP_TO))
         if middle is None:
             middle = _mean_positions(samples, rest)
         vector = _along_silhouette(complex, samples, middle, i)
         if strength > 0 and vector is not None:
             wishes.append((i, vector, SHORT_STRENGTH * strength))
     return wishes
+
+
+def turned_share(complex: SeamComplex, arc: Arc) -> float:
+    """1 for a seam whose two sides point against each other, 0 for others, fading between."""
+    if len(arc.sides) < 2 or arc.slit:
+        return 0.0
+    first, second = (_chord(complex, side) for side in arc.sides)
+    cosine = first @ second / (np.hypot(*first) * np.hypot(*second) + 1e-9)
+    return float(ramp(-cosine, -TURN_FROM, -TURN_FULLY))
 
 
 def _chord(complex: SeamComplex, side: tuple[int, int, bool]) -> np.ndarray:

@@ -12,6 +12,7 @@ from numba import njit
 
 from garmentimage.errors import EncodeError
 from garmentimage.raster.drawing import Drawing, Path
+from garmentimage.raster.heap import drop_first, push
 from garmentimage.raster.rotation import departures
 
 ROUNDS = 40
@@ -67,9 +68,7 @@ def route(drawing: Drawing, fine: int, radius: float) -> FinePaths:
     # Short arcs first: they have the least room. Rounding keeps the order under small changes.
     lengths = np.array([np.hypot(*np.diff(c * fine, axis=0).T).sum() for c in drawing.curves])
     middles = np.array([c[len(c) // 2] for c in drawing.curves]).round(1)
-    order = np.lexsort(
-        (middles[:, 0], middles[:, 1], np.round(np.log2(np.maximum(lengths, 0.5))))
-    )
+    order = np.lexsort((middles[:, 0], middles[:, 1], np.round(np.log2(np.maximum(lengths, 0.5)))))
     done, flat, lens = _route_all(
         order,
         drawing.tail,
@@ -186,33 +185,6 @@ def distance_field(polyline, radius, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _sift_up(keys, items, i):  # type: ignore[no-untyped-def]
-    while i > 0:
-        up = (i - 1) >> 1
-        if keys[up] <= keys[i]:
-            return
-        keys[up], keys[i] = keys[i], keys[up]
-        items[up], items[i] = items[i], items[up]
-        i = up
-
-
-@njit(cache=True)
-def _sift_down(keys, items, size):  # type: ignore[no-untyped-def]
-    i = 0
-    while True:
-        small, left = i, 2 * i + 1
-        if left < size and keys[left] < keys[small]:
-            small = left
-        if left + 1 < size and keys[left + 1] < keys[small]:
-            small = left + 1
-        if small == i:
-            return
-        keys[small], keys[i] = keys[i], keys[small]
-        items[small], items[i] = items[i], items[small]
-        i = small
-
-
-@njit(cache=True)
 def _shortest(  # type: ignore[no-untyped-def]
     start, goal, mask, leave, arrive, use, history, nodes, field, price, axis, on_axis, work
 ):  # fmt: skip
@@ -225,9 +197,7 @@ def _shortest(  # type: ignore[no-untyped-def]
     keys[0], items[0], size = 0.0, start, 1
     while size > 0:
         key, vertex = keys[0], items[0]
-        size -= 1
-        keys[0], items[0] = keys[size], items[size]
-        _sift_down(keys, items, size)
+        size = drop_first(keys, items, size)
         if key > cost[vertex]:
             continue
         if vertex == goal:
@@ -261,9 +231,7 @@ def _shortest(  # type: ignore[no-untyped-def]
                 cost[other] = total
                 previous[other] = vertex
                 if size < len(keys):
-                    keys[size], items[size] = total, other
-                    _sift_up(keys, items, size)
-                    size += 1
+                    size = push(keys, items, size, total, other)
     if cost[goal] >= FAR * FAR:
         return 0
     count, vertex = 0, goal

@@ -69,7 +69,7 @@ class Cloth:
         cloth = cls()
         edges: dict[tuple[str, int], int] = {}
         for panel in pattern.panels:
-            loops = []
+            loops: list[list[int]] = []
             k = 0
             for loop in panel.loops:
                 loops.append([])
@@ -79,7 +79,7 @@ class Cloth:
                     cloth.curves[number] = curve.sample(1 if curve.is_straight else CHORDS)
                     edges[panel.name, k] = number
                     k += 1
-            where = np.array(panel.translation) + [0.0, lift, 0.0]
+            where = np.array(panel.translation) + np.array([0.0, lift, 0.0])
             cloth.pieces.append(Piece(panel.name, panel.name, panel.matrix, where, loops))
         for stitch in pattern.stitches:
             a, b = (edges[side.panel, side.edge] for side in stitch.sides)
@@ -212,14 +212,16 @@ def _choose_vertices(
     starts = _starts(cloth, piece)
     layers = [_partner_layer(cloth, e, undecided) for e in loop]
     changes = {k for k in range(len(loop)) if {layers[k - 1], layers[k]} == {0, 1}}
-    ranked = []
+    ranked: list[list[float]] = []
     for place in places:
         reach = [_round_trip(s, place, starts[-1]) / starts[-1] for s in starts[:-1]]
         good = sorted((r, k) for k, r in enumerate(reach) if k in changes and r < PARTNER_REACH)
         near = sorted((r, k) for k, r in enumerate(reach) if r < VERTEX_REACH)
         ranked.append([*(starts[k] for _, k in good), *(starts[k] for _, k in near), place])
-    pairs = itertools.product(*(list(enumerate(options)) for options in ranked))
-    in_order = sorted(pairs, key=lambda pair: sum(rank for rank, _ in pair))
+    first, second = (list(enumerate(options)) for options in ranked)
+    in_order = sorted(
+        itertools.product(first, second), key=lambda pair: sum(rank for rank, _ in pair)
+    )
     chosen = next(
         (pair for pair in in_order if _balance(cloth, piece, pair[0][1], pair[1][1]) > LEAST_HALF),
         in_order[-1],

@@ -178,7 +178,10 @@ def _with_axis_links(half: Drawing) -> Drawing:
             if len(leaving) != 2:
                 continue
             # The gap lies where a free arc is steepest: between it and its mirror image.
-            away = [half.curves[arc][::-1] if at_head else half.curves[arc] for _, arc, at_head in leaving]
+            away = [
+                half.curves[arc][::-1] if at_head else half.curves[arc]
+                for _, arc, at_head in leaving
+            ]
             slope = [(c[1] - c[0])[1] / (np.hypot(*(c[1] - c[0])) + 1e-12) for c in away]
             steep = int(np.argmax(np.abs(slope)))
             _, arc, at_head = leaving[steep]

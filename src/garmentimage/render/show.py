@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from garmentimage.errors import OutputError
-from garmentimage.files import write_atomically
+from garmentimage.files import shown_path, write_atomically
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.image import GarmentImage
 from garmentimage.render.arrange import arrange, bounds
@@ -52,7 +52,9 @@ def show(
     out = Path(out)
     suffix = out.suffix.lower()
     if suffix not in SUFFIXES:
-        raise OutputError(f"{out}: pictures end in .png or .svg, not {suffix or 'without one'}")
+        raise OutputError(
+            f"{shown_path(out)}: pictures end in .png or .svg, not {suffix or 'without one'}"
+        )
     figure = compose(sources, titles=titles, steps=steps)
     write_atomically(out, picture_bytes(figure, suffix[1:]))
 

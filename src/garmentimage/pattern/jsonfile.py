@@ -1,0 +1,105 @@
+"""JSON files as bytes and values, however they are damaged or meant to harm."""
+
+import json
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+from garmentimage.errors import PatternError, PatternFileError, quoted
+
+FILE_LIMIT = 100_000_000
+"""Bytes of a file."""
+NESTING_LIMIT = 100
+"""Objects and lists within each other."""
+
+
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """The whole file, or a PatternFileError that says why it cannot be had."""
+    try:
+        with Path(path).open("rb") as file:
+            raw = file.read(FILE_LIMIT + 1)
+    except FileNotFoundError:
+        raise PatternFileError("there is no such file; check its name") from None
+    except IsADirectoryError:
+        raise PatternFileError("is a folder; name a pattern file in it") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise PatternFileError(f"cannot be read ({reason})") from None
+    if len(raw) > FILE_LIMIT:
+        raise PatternFileError(f"is larger than {FILE_LIMIT // 1_000_000} MB; no pattern is")
+    return raw
+
+
+class LongInteger(Exception):
+    """A JSON integer of more digits than Python reads."""
+
+
+def parse(raw: bytes, **options: Any) -> Any:
+    """JSON in UTF-8, UTF-16 or UTF-32; duplicate keys are refused."""
+    if not raw.strip():
+        raise PatternFileError("is empty; save the pattern again")
+    try:
+        text = raw.decode(json.detect_encoding(raw))
+    except UnicodeDecodeError as error:
+        raise PatternFileError(
+            f"is not text ({error.encoding} fails at byte {error.start}); save it as UTF-8 JSON"
+        ) from None
+    try:
+        return json.loads(
+            text,
+            object_pairs_hook=_unique,
+            # One object per constant, so that an unknown field holding it equals itself.
+            parse_constant={"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}.get,
+            **options,
+        )
+    except json.JSONDecodeError as error:
+        raise PatternFileError(
+            f"is not JSON ({error.msg} at line {error.lineno}, column {error.colno}, "
+            f"character {error.pos}); save the pattern again"
+        ) from None
+    except RecursionError:
+        raise PatternFileError(_too_deep()) from None
+    except PatternError:
+        raise
+    except ValueError:
+        raise LongInteger from None
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for k, key in enumerate(keys) if key in keys[:k])
+        raise PatternFileError(
+            f"the name {quoted(twice)} occurs twice in one object (two panels of that name, "
+            "or a field given twice); rename or remove one"
+        )
+    return found
+
+
+def capped_integer(text: str) -> int | float:
+    """An integer, infinite where it has more digits than Python reads."""
+    try:
+        return int(text)
+    except ValueError:
+        return math.inf
+
+
+def check_nesting(data: Any) -> None:
+    """Refuse values that nest too deep to be compared or written again."""
+    level = [data] if isinstance(data, (dict, list)) else []
+    for _ in range(NESTING_LIMIT):
+        if not level:
+            return
+        level = [
+            inner
+            for value in level
+            for inner in (value.values() if isinstance(value, dict) else value)
+            if isinstance(inner, (dict, list))
+        ]
+    raise PatternFileError(_too_deep())
+
+
+def _too_deep() -> str:
+    return f"nests objects and lists more than {NESTING_LIMIT} deep; no pattern does"

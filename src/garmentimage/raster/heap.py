@@ -1,0 +1,37 @@
+"""A binary heap in two arrays, for shortest paths inside compiled code."""
+
+from numba import njit
+
+
+@njit(cache=True)
+def push(keys, items, size, key, item):  # type: ignore[no-untyped-def]
+    """Add an item; the new size. The arrays must have room for it."""
+    i = size
+    keys[i], items[i] = key, item
+    while i > 0:
+        up = (i - 1) >> 1
+        if keys[up] <= keys[i]:
+            break
+        keys[up], keys[i] = keys[i], keys[up]
+        items[up], items[i] = items[i], items[up]
+        i = up
+    return size + 1
+
+
+@njit(cache=True)
+def drop_first(keys, items, size):  # type: ignore[no-untyped-def]
+    """Take the item with the smallest key (at 0) away; the new size."""
+    size -= 1
+    keys[0], items[0] = keys[size], items[size]
+    i = 0
+    while True:
+        small, left = i, 2 * i + 1
+        if left < size and keys[left] < keys[small]:
+            small = left
+        if left + 1 < size and keys[left + 1] < keys[small]:
+            small = left + 1
+        if small == i:
+            return size
+        keys[small], keys[i] = keys[i], keys[small]
+        items[small], items[i] = items[i], items[small]
+        i = small
