@@ -14,11 +14,12 @@ def signed_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 def centroid(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
     """Centre of area; the mean of the points where the area vanishes."""
     x, y = polygon[:, 0], polygon[:, 1]
-    cross = x * np.roll(y, -1) - y * np.roll(x, -1)
+    next_x, next_y = np.append(x[1:], x[:1]), np.append(y[1:], y[:1])
+    cross = x * next_y - y * next_x
     area = cross.sum() / 2
     if abs(area) < 1e-9:
         return polygon.mean(axis=0)
-    total = np.array([((x + np.roll(x, -1)) * cross).sum(), ((y + np.roll(y, -1)) * cross).sum()])
+    total = np.array([((x + next_x) * cross).sum(), ((y + next_y) * cross).sum()])
     return total / (6 * area)
 
 
@@ -29,6 +30,9 @@ def polyline_length(points: Float[np.ndarray, "n 2"]) -> float:
 
 def resample(points: Float[np.ndarray, "n 2"], shares: Float[np.ndarray, " m"]) -> np.ndarray:
     """Points of an open polyline at the given shares (0..1) of its length; shape (m, 2)."""
+    if len(points) == 2:
+        at = np.asarray(shares)[:, None]
+        return (1 - at) * points[0] + at * points[1]
     steps = np.hypot(*np.diff(points, axis=0).T)
     lengths = np.concatenate([[0.0], np.cumsum(steps)])
     s = np.asarray(shares) * lengths[-1]

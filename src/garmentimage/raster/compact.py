@@ -13,7 +13,7 @@ from numba import njit
 from garmentimage.raster.drawing import Drawing, Path
 
 NODE_WEIGHT = 4.0
-"""Weight of a node's own wish against one path vertex."""
+"""Weight of a node's own wish against one cell of path."""
 SHAPE_WEIGHT = 6.0
 """Stiffness with which an arc asks for the grid edges that its curve needs."""
 SWEEPS = 4000
@@ -61,6 +61,7 @@ def compact(
         drawing.on_axis,
         drawing.least,
         drawing.wish,
+        np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in drawing.curves]) / lens,
         drawing.node_target[:, along],
         along,
         int(size[0]),
@@ -251,7 +252,7 @@ def _project(target, weight, cons, stiff, low, high, sweeps, tolerance):  # type
 
 @njit(cache=True)
 def _compact(  # type: ignore[no-untyped-def]
-    flat, wanted, lens, tail, head, mask, node_on_axis, arc_on_axis, least, wish, node_target,
+    flat, wanted, lens, tail, head, mask, node_on_axis, arc_on_axis, least, wish, load, node_target,
     along, width, height, low, high, axis,
 ):  # fmt: skip
     nodes = len(node_on_axis)
@@ -269,8 +270,8 @@ def _compact(  # type: ignore[no-untyped-def]
         for k in range(lens[i]):
             place[var[at + k]] = flat[at + k, along]
             if 0 < k < lens[i] - 1:
-                target[var[at + k]] += wanted[at + k]
-                weight[var[at + k]] += 1.0
+                target[var[at + k]] += load[i] * wanted[at + k]
+                weight[var[at + k]] += load[i]
         at += lens[i]
     for n in range(nodes):
         if node_var[n] >= 0:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from garmentimage.errors import EncodeError
-from garmentimage.geometry.polygons import polyline_length, resample
+from garmentimage.geometry.polygons import polyline_length
 from garmentimage.raster.image import EdgeType
 from garmentimage.raster.place import GENERIC_SLOPE, Placed, PlacedPanel, PlacedSeam
 from garmentimage.raster.split import cut_polyline
@@ -182,7 +182,7 @@ def _lean(point: np.ndarray) -> float:
 
 
 def _height(curve: np.ndarray) -> float:
-    return _lean(resample(curve, np.array([0.5]))[0])
+    return _lean(curve.mean(axis=0))
 
 
 def _arc_key(placed: Placed, arc: Arc) -> tuple[tuple[int, ...], float]:

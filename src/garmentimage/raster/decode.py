@@ -145,8 +145,9 @@ def unfold_cells(
     """Vertex positions whose edges agree best with the edge vectors of all cells.
 
     Paper: Eq. 2, sum |(v_j - v_i) - d_ij|² + weight · sum |v_i - position_i|². The paper's weight
-    is 1 and pulls the panel to the grid: on correct images of 75 garments the panels' mean IoU
-    is then WEIGHT_ONE_IOU instead of TINY_IOU. With 1e-6 the term only says where the panel lies.
+    is 1 and pulls the panel to the grid: on correct 16 x 16 images of 72 garments (489 panels)
+    their mean IoU is 0.540 with it, 0.990 with 1e-3 and 0.996 with 1e-6, where the term only says
+    where the panel lies.
 
     Args:
         mesh: the quads of one panel.

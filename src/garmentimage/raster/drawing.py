@@ -23,6 +23,8 @@ CHORD_SHARE = 0.02
 """... or within this share of its length."""
 MOST_CHORDS = 4.0
 """No arc asks for more grid edges than this."""
+BENT = 2.2
+"""Arcs that wish for more grid edges than this are strongly bent."""
 SHORT_ARC = 4.0
 """Arcs shorter than this [cm] ask for one grid edge."""
 LATTICE_DEGREE = 4
@@ -49,7 +51,7 @@ class Drawing:
     curves: tuple[Float[np.ndarray, "n 2"], ...]
     """Target of each arc, from tail to head, in lattice coordinates."""
     least: Int[np.ndarray, " arc"]
-    """Fewest grid edges that keep the arc apart from its parallels."""
+    """Fewest grid edges that the arc may have."""
     wish: Float[np.ndarray, " arc"]
     """Grid edges with which the arc's shape would survive."""
     grid: int
@@ -92,6 +94,12 @@ def drawing_of(layout: Layout, frame: BodyFrame) -> Drawing:
         wish=np.array([_wish(layout, i) for i in range(len(arcs))]),
         grid=frame.grid,
     )
+
+
+def with_bends(drawing: Drawing) -> Drawing:
+    """Strongly bent arcs insist on two grid edges: with one, their panel would lose its shape."""
+    bent = drawing.wish >= BENT
+    return replace(drawing, least=np.where(bent, np.maximum(drawing.least, 2), drawing.least))
 
 
 def with_links(drawing: Drawing) -> Drawing:

@@ -17,13 +17,13 @@ from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.compact import compact
 from garmentimage.raster.complex import SeamComplex, seam_complex
 from garmentimage.raster.deform import deform_quad_mesh
-from garmentimage.raster.drawing import Drawing, Path, drawing_of, joined_links, with_links
+from garmentimage.raster.drawing import Drawing, Path, drawing_of, joined_links, with_bends, with_links
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
 from garmentimage.raster.layout import Layout, layouts
 from garmentimage.raster.place import PlacedPanel, place
 from garmentimage.raster.polish import polish
-from garmentimage.raster.route import route
+from garmentimage.raster.route import FinePaths, route
 from garmentimage.raster.symmetry import find_mirror, halve
 
 GRIDS = (8, 128)
@@ -125,8 +125,19 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
     Raises:
         EncodeError: the drawing is too crowded for this lattice.
     """
-    low, high = 1, drawing.grid - 1
     drawn = route(drawing, fine, radius)
+    bent = with_bends(drawing)
+    state = _compacted(bent, drawn)
+    if state is None:
+        bent, state = drawing, _compacted(drawing, drawn)
+    if state is None:
+        raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
+    return polish(bent, state, 1, drawing.grid - 1)
+
+
+def _compacted(drawing: Drawing, drawn: FinePaths) -> list[Path] | None:
+    """The fine paths on the image's lattice, or None when there is no room."""
+    low, high = 1, drawing.grid - 1
     state = drawn.paths, drawn.wanted
     for turn in range(PASSES):
         for along in (0, 1):
@@ -134,9 +145,9 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
             if moved is None and turn < PASSES - 1:
                 moved = compact(drawing, *state, along, low, high, bounded=False)
             if moved is None:
-                raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
+                return None
             state = moved
-    return polish(drawing, state[0], low, high)
+    return state[0]
 
 
 def _image(

@@ -15,12 +15,12 @@ HEIGHTS = (
     (-20.0, 0.0),
     (10.0, 1.0),  # ankle
     (48.0, 4.0),  # knee
-    (78.0, 7.0),  # crotch
-    (100.0, 9.0),  # waist
-    (128.0, 12.0),  # armpit
-    (140.0, 13.0),  # shoulder
-    (165.0, 15.0),  # top of a hood
-    (185.0, 16.0),
+    (78.0, 6.0),  # crotch
+    (102.0, 8.0),  # waist
+    (126.0, 10.0),  # armpit
+    (141.0, 12.0),  # shoulder
+    (176.0, 15.0),  # top of a hood
+    (190.0, 16.0),
 )
 """Landmark heights of the mean adult body and the grid lines that pass through them."""
 

@@ -6,6 +6,7 @@ fronts of an open jacket) keep a distance. Weights fade smoothly with the geomet
 small movement of the pattern is a small movement of the layout.
 """
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -14,7 +15,9 @@ from jaxtyping import Float, Int
 
 from garmentimage.geometry.polygons import centroid
 from garmentimage.raster.complex import SeamComplex
-from garmentimage.raster.relax import INNER, Rows, Samples, ramp, turned_share
+from garmentimage.raster.relax import Rows
+from garmentimage.raster.samples import INNER, Samples, ramp
+from garmentimage.raster.turned import turned_share
 
 WEDGE = 0.2 / 3.0
 """Opening of a gap of 1 cm, per cm from the node; other gaps in proportion."""
@@ -23,6 +26,8 @@ ROW_WEIGHT = 0.375
 BEHIND, FAR_BEHIND = (-6.0, -2.0), (-20.0, -10.0)
 """Boundaries this far [cm] on the wrong side of each other near their node do not face each other,
 fading; the second pair away from turned seams (trouser legs may lie crossed)."""
+TOGETHER = (-0.3, -0.1)
+"""Cosine between the directions of boundaries that run together, fading."""
 NEAR_NODE = (10.0, 14.0)
 """What counts as near the node, fading [cm]."""
 CHORD_START = (2.0, 6.0)
@@ -46,6 +51,8 @@ class _Chain:
     """Distance from the node [cm]."""
     hand: float
     """Side of the outside: normal = hand x (direction turned to the right)."""
+    directions: Float[np.ndarray, "n 2"]
+    """Unit direction at every sample: of the step that ends there, or of the chord to it."""
 
 
 def facing_rows(complex: SeamComplex, samples: Samples, gap: float, chord: bool) -> Rows:
@@ -61,53 +68,51 @@ def facing_rows(complex: SeamComplex, samples: Samples, gap: float, chord: bool)
         gap: width of a fully opened gap [cm].
         chord: judge directions by chords from the node instead of tangents.
     """
-    meeting: dict[tuple[int, int], list[_Chain]] = {}
-    for layer, chain in _chains(complex, samples):
-        meeting.setdefault((layer, int(chain.ids[0])), []).append(chain)
-    parts = [
-        rows
-        for chains in meeting.values()
-        for a in chains
-        for b in chains
-        if a.key[0] != b.key[0]
-        for rows in _wedge(a, b, _lenience(complex, a, b), gap, chord)
-    ]
+    meeting: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
+    for i, panel in enumerate(complex.placed.panels):
+        for k in range(len(panel.curves)):
+            if _is_alone(complex, i, k, panel.layer):
+                arc, back = complex.owner[i, k]
+                ends = complex.arcs[arc].a, complex.arcs[arc].b
+                for step, node in ((1, ends[back]), (-1, ends[not back])):
+                    meeting.setdefault((panel.layer, node), []).append((i, k, step))
+    parts: list[Rows] = []
+    for keys in meeting.values():
+        if len({panel for panel, _, _ in keys}) < 2:
+            continue
+        chains = [_chain(complex, samples, key, chord) for key in keys]
+        for a, b in itertools.permutations(chains, 2):
+            if a.key[0] != b.key[0]:
+                parts.extend(_wedge(a, b, _lenience(complex, a, b), gap, chord))
     return Rows.joined(parts) if parts else Rows.none()
 
 
-def _chains(complex: SeamComplex, samples: Samples) -> Iterator[tuple[int, _Chain]]:
-    """Every chain, with its layer."""
-    per_edge = INNER + 1
-    for i, panel in enumerate(complex.placed.panels):
-        first = samples.start[i]
-        for loop in panel.loops:
-            count = len(loop)
-            here = slice(first, first + count * per_edge)
-            first = here.stop
-            alone = [_is_alone(complex, i, k, panel.layer) for k in loop]
-            for k in range(count):
-                for step in (1, -1):
-                    if not alone[k]:
-                        continue
-                    run = 1
-                    while run < count and alone[(k + step * run) % count]:
-                        run += 1
-                    begin = k if step > 0 else k + 1
-                    at = (begin * per_edge + step * np.arange(run * per_edge + 1)) % (
-                        count * per_edge
-                    )
-                    points = samples.rest[here][at]
-                    steps = np.hypot(*np.diff(points, axis=0).T)
-                    yield (
-                        panel.layer,
-                        _Chain(
-                            key=(i, loop[k], step),
-                            ids=samples.ids[here][at],
-                            points=points,
-                            along=np.concatenate([[0.0], np.cumsum(steps)]),
-                            hand=float(panel.sign * step),
-                        ),
-                    )
+def _chain(
+    complex: SeamComplex, samples: Samples, key: tuple[int, int, int], chord: bool
+) -> _Chain:
+    """The run of boundary that begins with one edge and goes on while it has no neighbour."""
+    i, edge, step = key
+    panel = complex.placed.panels[i]
+    first = int(samples.start[i])
+    for loop in panel.loops:
+        here = slice(first, first + len(loop) * (INNER + 1))
+        if edge in loop:
+            break
+        first = here.stop
+    count, k, run = len(loop), loop.index(edge), 1
+    while run < count and _is_alone(complex, i, loop[(k + step * run) % count], panel.layer):
+        run += 1
+    begin = (k if step > 0 else k + 1) * (INNER + 1)
+    at = (begin + step * np.arange(run * (INNER + 1) + 1)) % (count * (INNER + 1))
+    points = samples.rest[here][at]
+    return _Chain(
+        key=key,
+        ids=samples.ids[here][at],
+        points=points,
+        along=np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))]),
+        hand=float(panel.sign * step),
+        directions=_directions(points, chord),
+    )
 
 
 def _is_alone(complex: SeamComplex, panel: int, edge: int, layer: int) -> bool:
@@ -124,16 +129,18 @@ def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> It
     q = np.arange(1, len(s) + 1)
     k = np.clip(np.searchsorted(b.along, s), 1, len(b.along) - 1)
     at = np.clip((s - b.along[k - 1]) / np.maximum(b.along[k] - b.along[k - 1], 1e-9), 0, 1)
-    tangent_a = _directions(a, chord)[q]
-    tangent_b = _between(_directions(b, chord), k, at)
+    tangent_a = a.directions[q]
+    tangent_b = _between(b.directions, k, at)
     normal_a, normal_b = a.hand * _right(tangent_a), b.hand * _right(tangent_b)
     apart = normal_a - normal_b
     offset = _between(b.points, k, at) - a.points[q]
     bound = -0.1 if chord else -0.4
     facing = 1 - ramp((normal_a * normal_b).sum(axis=1), bound - 0.1, bound + 0.1)
-    together = ramp((tangent_a * tangent_b).sum(axis=1), -0.3, -0.1)
+    together = ramp((tangent_a * tangent_b).sum(axis=1), *TOGETHER)
     meets = (a.ids[q] == b.ids[k]) | (a.ids[q] == b.ids[k - 1])
     reached = np.minimum(facing, together) * ~meets
+    if not reached[0]:
+        return
     taper = np.minimum(1.0, (reach - s) / (END_TAPER * reach))
     if chord:
         taper = taper * ramp(s, *CHORD_START)
@@ -182,9 +189,8 @@ def _lenience(complex: SeamComplex, a: _Chain, b: _Chain) -> float:
         panel, edge, step = other[0], other[1], step if mine[2] == other[2] else -step
 
 
-def _directions(chain: _Chain, chord: bool) -> np.ndarray:
-    """Unit direction at every sample: of the step that ends there, or of the chord to it."""
-    steps = chain.points[1:] - (chain.points[0] if chord else chain.points[:-1])
+def _directions(points: np.ndarray, chord: bool) -> np.ndarray:
+    steps = points[1:] - (points[0] if chord else points[:-1])
     steps = np.concatenate([steps[:1], steps])
     return steps / (np.hypot(*steps.T)[:, None] + 1e-9)
 
@@ -218,7 +224,7 @@ def clearance_rows(
     low = np.array([points[r].min(axis=0) for r in rings]) - CLEARANCE
     high = np.array([points[r].max(axis=0) for r in rings]) + CLEARANCE
     centres = np.array([centroid(p.outline) for p in panels])
-    parts = []
+    parts: list[Rows] = []
     for i in range(len(panels)):
         for j in range(len(panels)):
             if i == j or panels[i].layer != panels[j].layer:

@@ -12,22 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.geometry.polygons import resample, signed_area
+from garmentimage.geometry.polygons import signed_area
 from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.gaps import clearance_rows, facing_rows
 from garmentimage.raster.place import FRONT
-from garmentimage.raster.relax import (
-    INNER,
-    Constrained,
-    Energy,
-    Rows,
-    Samples,
-    energy,
-    gather,
-    sample,
-    stiffness_of,
-    turned_load,
-)
+from garmentimage.raster.relax import Constrained, Energy, Rows, energy, turned_load
+from garmentimage.raster.samples import REFINED, Samples, gather, sample, stiffness_of
 
 if TYPE_CHECKING:
     import shapely
@@ -43,8 +33,6 @@ FOLD_TOL = 4.0
 OVERLAP_TOL = 12.0
 """Panels may overlap by this area [cm²]: routing sorts out slivers."""
 
-REFINED = 2
-"""Steps of a finished curve per step between samples."""
 TURNS = 60
 """Most as-rigid-as-possible rounds."""
 SETTLED = 0.02
@@ -186,19 +174,19 @@ def _refined(
 
     Each side's edge is carried along with its samples; an arc is the mean of its two sides.
     """
-    fine = np.linspace(0, 1, REFINED * (INNER + 1) + 1)
-    shares = fine[::REFINED]
-    curves = [np.zeros((len(fine), 2)) for _ in complex.arcs]
+    places = np.arange(samples.edges.shape[1]) / REFINED
+    curves = [np.zeros((len(places), 2)) for _ in complex.arcs]
+    edges = iter(samples.edges)
     for i, panel in enumerate(complex.placed.panels):
         first = samples.start[i]
         shift = rest[first] - samples.rest[first]
-        for k, curve in enumerate(panel.curves):
+        for k in (k for loop in panel.loops for k in loop):
             arc, back = complex.owner[i, k]
-            own = resample(curve, fine) + shift
-            own = own[::-1] if back else own
+            own = next(edges) + shift
+            own = own[::-1].copy() if back else own
             moved = points[samples.arcs[arc]] - own[::REFINED]
             for axis in (0, 1):
-                own[:, axis] += np.interp(fine, shares, moved[:, axis])
+                own[:, axis] += np.interp(places, places[::REFINED], moved[:, axis])
             curves[arc] += own / len(complex.arcs[arc].sides)
     for curve, chain in zip(curves, samples.arcs):
         curve[::REFINED] = points[chain]

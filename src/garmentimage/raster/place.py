@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.errors import EncodeError
-from garmentimage.geometry.polygons import centroid, signed_area
+from garmentimage.geometry.polygons import signed_area
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.split import Cloth, Piece, split_wrapping
 
@@ -235,7 +235,7 @@ def _offset(cloth: Cloth, piece: Piece, matrix: np.ndarray) -> np.ndarray:
     """Where the origin of the panel's own frame lies in the layout."""
     polygon = cloth.polygon(piece)
     world = cloth.centre(piece)
-    offset = world[:2] - matrix @ centroid(polygon)
+    offset = world[:2] - matrix @ cloth.own_centre(piece)
     if piece.half and _faces_sideways(piece.rotation):
         side = np.sign(_outward(cloth, piece)[0])
         nearest = (side * (polygon @ matrix[0] + offset[0])).min()

@@ -1,8 +1,5 @@
 """Relaxation: all panels drawn at once in the picture plane, each keeping its shape as it can.
 
-Every arc carries the same number of samples, spread by arc length and shared by its two sides, so
-seams are coincident whatever the lengths of their sides, and nothing jumps when a length changes.
-
 Energy, with displacement d = x - u from the rest position u and sample length s, summed over the
 panels with their stiffness:
 
@@ -23,13 +20,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from numba import njit
 
-from garmentimage.geometry.polygons import centroid, resample
-from garmentimage.raster.complex import Arc, SeamComplex
-from garmentimage.raster.image import EdgeType
-from garmentimage.raster.place import Placed
-
-INNER = 10
-"""Samples inside an arc, K."""
+from garmentimage.raster.complex import SeamComplex
+from garmentimage.raster.samples import Samples
+from garmentimage.raster.turned import turned_seams
 
 SPREAD = 0.2
 NEAR = 1.0
@@ -41,106 +34,6 @@ SHORTEST = 0.2
 MEMBRANE = 0.25
 """Stiffness of a panel that is drawn as a membrane: as smooth as it can, its shape forgotten."""
 MEMBRANE_ANCHOR = 1e-6
-
-LIMB = 0.5
-"""Stiffness of sleeves and hoods: they follow the trunk, not the trunk them."""
-
-TETHER = 0.01
-"""How strongly a panel keeps its place on the body, next to 1 for each end of a seam."""
-
-
-@dataclass(frozen=True)
-class Samples:
-    """The sampled arcs, and the samples round each panel with their rest positions."""
-
-    arcs: Int[np.ndarray, "arc k"]
-    """Sample numbers along each arc; nodes come first and have their own numbers."""
-    count: int
-    ids: Int[np.ndarray, " r"]
-    """Sample numbers round every loop of every panel, one after the other."""
-    following: Int[np.ndarray, " r"]
-    """Position in `ids` of the next sample of the same loop."""
-    start: Int[np.ndarray, " p"]
-    """Where each panel begins in `ids`, and the end."""
-    rest: Float[np.ndarray, "r 2"]
-    """Rest position of every sample [cm]."""
-
-    def panel(self, index: int) -> slice:
-        """The part of `ids` that belongs to a panel."""
-        return slice(self.start[index], self.start[index + 1])
-
-
-def sample(complex: SeamComplex) -> Samples:
-    """Samples of all arcs; panels at rest in their own layout pose."""
-    nodes, count = complex.node_count, len(complex.arcs)
-    inner = nodes + np.arange(count * INNER).reshape(count, INNER)
-    ends = np.array([(arc.a, arc.b) for arc in complex.arcs])
-    arcs = np.concatenate([ends[:, :1], inner, ends[:, 1:]], axis=1)
-    shares = np.linspace(0, 1, INNER + 2)
-    ids: list[np.ndarray] = []
-    rest: list[np.ndarray] = []
-    following: list[np.ndarray] = []
-    start = [0]
-    total = 0
-    for i, panel in enumerate(complex.placed.panels):
-        for loop in panel.loops:
-            for k in loop:
-                arc, back = complex.owner[i, k]
-                ids.append((arcs[arc, ::-1] if back else arcs[arc])[:-1])
-                rest.append(resample(panel.curves[k], shares)[:-1])
-            size = len(loop) * (INNER + 1)
-            following.append(total + (np.arange(size) + 1) % size)
-            total += size
-        start.append(total)
-    return Samples(
-        arcs=arcs,
-        count=nodes + count * INNER,
-        ids=np.concatenate(ids),
-        following=np.concatenate(following),
-        start=np.array(start),
-        rest=np.concatenate(rest),
-    )
-
-
-def stiffness_of(placed: Placed) -> Float[np.ndarray, " p"]:
-    """1 for panels on the trunk and the legs, less for sleeves and hoods, fading between.
-
-    So a garment keeps its shape on the trunk when a sleeve or a hood is added.
-    """
-    x, y = np.array([centroid(p.outline) for p in placed.panels]).T
-    sleeve = ramp(np.abs(x), 18.0, 30.0) * ramp(y, 90.0, 104.0)
-    hood = ramp(y, 146.0, 156.0)
-    return 1.0 - (1.0 - LIMB) * np.maximum(sleeve, hood)
-
-
-def ramp(x: np.ndarray | float, low: float, high: float) -> np.ndarray:
-    """0 up to `low`, 1 from `high` on, linear between."""
-    return np.clip((x - low) / (high - low), 0.0, 1.0)
-
-
-def gather(
-    placed: Placed, stiffness: Float[np.ndarray, " p"], free: Collection[int] = ()
-) -> Float[np.ndarray, "p 2"]:
-    """Shifts that bring the panels together at their seams, near their places on the body.
-
-    Least squares over the ends of all seams; panels in `free` stay where they are.
-    """
-    count = len(placed.panels)
-    matrix = np.diag(TETHER * stiffness)
-    wanted = np.zeros((count, 2))
-    for seam in placed.seams:
-        (i, k), (j, m) = seam.a, seam.b
-        if i == j or i in free or j in free:
-            continue
-        mine = placed.panels[i].curves[k][[0, -1]]
-        theirs = placed.panels[j].curves[m][[-1, 0] if seam.crossed else [0, -1]]
-        weight = min(stiffness[i], stiffness[j])
-        matrix[[i, j], [i, j]] += 2 * weight
-        matrix[[i, j], [j, i]] -= 2 * weight
-        gap = weight * (theirs - mine).sum(axis=0)
-        wanted[i] += gap
-        wanted[j] -= gap
-    return np.linalg.solve(matrix, wanted)
 
 
 @dataclass(frozen=True)
@@ -196,7 +89,7 @@ def energy(
     stiffness: Float[np.ndarray, " p"],
     membranes: Collection[int] = (),
 ) -> Energy:
-    """The energy of the file's head, with the seams that must be turned (`_turned_seams`)."""
+    """The energy of the file's head, with the seams that must be turned (see `turned`)."""
     from scipy.linalg import cho_factor
 
     count = samples.count
@@ -208,7 +101,7 @@ def energy(
         matrix, load, anchor_load, samples.ids, samples.following, samples.start,
         rest, weight, anchor, soft,
     )  # fmt: skip
-    for arc, vector, strength in _turned_seams(complex, samples, rest):
+    for arc, vector, strength in turned_seams(complex, samples, rest):
         chain = samples.arcs[arc]
         steps = len(chain) - 1
         for u, v in pairwise(chain):
@@ -374,94 +267,3 @@ def one_sided_forces(
 
     root = np.linalg.cholesky((coupling + coupling.T) / 2)
     return nnls(root.T, np.linalg.solve(root, missing))[0]
-
-
-TURN_FROM, TURN_FULLY = -0.3, -0.6
-"""Cosine of the directions of a seam's two sides, from which on and at which it is turned."""
-SHORT_FULLY, SHORT_UP_TO = 6.0, 10.0
-"""Lengths [cm] up to which, and from which on no more, a seam of the silhouette is turned."""
-SHORT_SPAN = 2.5
-"""Length that such a seam is given along the silhouette [cm]."""
-LONG_SPAN = 0.5
-"""Share of its length that a seam between two panels of one layer is given."""
-SHORT_STRENGTH, LONG_STRENGTH = 30.0, 8.0
-NEIGHBOUR_REACH = 4 / 15
-"""How far along its neighbours, as a share of them, the silhouette is looked at."""
-
-
-def _turned_seams(
-    complex: SeamComplex, samples: Samples, rest: Float[np.ndarray, "r 2"]
-) -> list[tuple[int, np.ndarray, float]]:
-    """Seams whose two sides point against each other: (arc, wished end - start [cm], strength).
-
-    On one layer (the top of a hood) the seam is laid so that each panel is on its own side.
-    Between the layers (where a front yoke reaches over the shoulder seam) it is a short piece of
-    the silhouette, and is laid along it.
-    """
-    wishes = []
-    middle: np.ndarray | None = None
-    for i, arc in enumerate(complex.arcs):
-        strength = turned_share(complex, arc)
-        if strength <= 0:
-            continue
-        if arc.kind == EdgeType.SIDE_BY_SIDE:
-            wishes.append((i, _between_panels(complex, i), LONG_STRENGTH * strength))
-            continue
-        strength *= 1 - float(ramp(arc.length, SHORT_FULLY, SHORT_UP_TO))
-        if middle is None:
-            middle = _mean_positions(samples, rest)
-        vector = _along_silhouette(complex, samples, middle, i)
-        if strength > 0 and vector is not None:
-            wishes.append((i, vector, SHORT_STRENGTH * strength))
-    return wishes
-
-
-def turned_share(complex: SeamComplex, arc: Arc) -> float:
-    """1 for a seam whose two sides point against each other, 0 for others, fading between."""
-    if len(arc.sides) < 2 or arc.slit:
-        return 0.0
-    first, second = (_chord(complex, side) for side in arc.sides)
-    cosine = first @ second / (np.hypot(*first) * np.hypot(*second) + 1e-9)
-    return float(ramp(-cosine, -TURN_FROM, -TURN_FULLY))
-
-
-def _chord(complex: SeamComplex, side: tuple[int, int, bool]) -> np.ndarray:
-    panel, edge, back = side
-    curve = complex.placed.panels[panel].curves[edge]
-    return (curve[0] - curve[-1]) if back else (curve[-1] - curve[0])
-
-
-def _between_panels(complex: SeamComplex, index: int) -> np.ndarray:
-    """A vector along which the arc has the first side's panel on its proper hand."""
-    arc = complex.arcs[index]
-    panels = [complex.placed.panels[panel] for panel, _, _ in arc.sides]
-    across = centroid(panels[0].outline) - centroid(panels[1].outline)
-    across *= panels[0].sign * (-1 if arc.sides[0][2] else 1) / (np.hypot(*across) + 1e-9)
-    return LONG_SPAN * arc.length * np.array([across[1], -across[0]])
-
-
-def _along_silhouette(
-    complex: SeamComplex, samples: Samples, points: np.ndarray, index: int
-) -> np.ndarray | None:
-    """From the front-to-back seams that go on at one end towards those at the other."""
-    arc = complex.arcs[index]
-    reach = round(NEIGHBOUR_REACH * (INNER + 1))
-    ends = []
-    for node in (arc.a, arc.b):
-        beyond = [
-            points[samples.arcs[j, reach if other.a == node else -1 - reach]]
-            for j, other in enumerate(complex.arcs)
-            if j != index and other.kind == EdgeType.FRONT_TO_BACK and node in (other.a, other.b)
-        ]
-        ends.append(np.mean(beyond, axis=0) if beyond else points[node])
-    vector = ends[1] - ends[0]
-    size = np.hypot(*vector)
-    return SHORT_SPAN * vector / size if size > 1e-6 else None
-
-
-def _mean_positions(samples: Samples, rest: np.ndarray) -> np.ndarray:
-    """Rest position of every sample, the mean over the panels that share it."""
-    total, times = np.zeros((samples.count, 2)), np.zeros(samples.count)
-    np.add.at(total, samples.ids, rest)
-    np.add.at(times, samples.ids, 1.0)
-    return total / times[:, None]

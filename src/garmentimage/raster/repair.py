@@ -34,6 +34,10 @@ LEVELS: tuple[RepairLevel, ...] = ("full", "paper", "none")
 CERTAIN_COST = 14.0
 """Cost of what a network gave no probability at all."""
 
+ODD_FOLD_COST = 2.0
+"""A front-to-back seam normally has cloth on one and the same side of it in both layers; else it
+costs this much more."""
+
 NEIGHBOUR_GAIN = 0.2
 """What a type gains from each grid edge of the same type that it touches."""
 
@@ -279,6 +283,8 @@ def _best_types(f0, f1, b0, b1, front, back, layers):  # type: ignore[no-untyped
     total = cost_f + cost_b
     if (f0 and b0) or (f1 and b1):
         sewn = front[_FRONT_TO_BACK] + back[_FRONT_TO_BACK]
+        if f0 == f1 or f0 != b0 or f1 != b1:
+            sewn += ODD_FOLD_COST
         if sewn < total:
             return sewn, _FRONT_TO_BACK, _FRONT_TO_BACK
     return total, best_f, best_b

@@ -61,6 +61,8 @@ class Cloth:
     """For every sewn edge its partner, and whether the start of one meets the end of the other."""
     cuts: set[int] = field(default_factory=set)
     """Edges made by cutting."""
+    _own_centres: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
+    """Centres of area already found, by outer loop."""
     numbers: Iterator[int] = field(default_factory=itertools.count)
 
     @classmethod
@@ -98,9 +100,16 @@ class Cloth:
         """Panel points placed round the body, feet on the floor [cm]."""
         return points @ piece.rotation[:, :2].T + piece.translation
 
+    def own_centre(self, piece: Piece) -> Float[np.ndarray, " 2"]:
+        """Centre of area in the panel's own frame."""
+        key = tuple(piece.loops[0])
+        if key not in self._own_centres:
+            self._own_centres[key] = centroid(self.polygon(piece))
+        return self._own_centres[key]
+
     def centre(self, piece: Piece) -> Float[np.ndarray, " 3"]:
         """World position of the centre of area."""
-        return self.world(piece, centroid(self.polygon(piece))[None])[0]
+        return self.world(piece, self.own_centre(piece)[None])[0]
 
     def owner(self, edge: int) -> tuple[Piece, list[int]]:
         """The piece and the loop that an edge belongs to."""
@@ -191,8 +200,9 @@ def _crossings(cloth: Cloth, piece: Piece, middle: float) -> list[float]:
     depth = cloth.world(piece, closed)[:, 2] - middle
     (i,) = np.nonzero((depth[:-1] <= 0) != (depth[1:] <= 0))
     places = along[i] + depth[i] / (depth[i] - depth[i + 1]) * (along[i + 1] - along[i])
-    pairs = [(places[m], places[k]) for k in range(len(places)) for m in range(k)]
-    return list(max(pairs, key=lambda p: _round_trip(p[0], p[1], along[-1])))
+    pairs = list(itertools.combinations(places.tolist(), 2))
+    first, second = max(pairs, key=lambda p: _round_trip(p[0], p[1], along[-1]))
+    return [first, second]
 
 
 def _round_trip(a: float, b: float, perimeter: float) -> float:
@@ -218,15 +228,11 @@ def _choose_vertices(
         good = sorted((r, k) for k, r in enumerate(reach) if k in changes and r < PARTNER_REACH)
         near = sorted((r, k) for k, r in enumerate(reach) if r < VERTEX_REACH)
         ranked.append([*(starts[k] for _, k in good), *(starts[k] for _, k in near), place])
-    first, second = (list(enumerate(options)) for options in ranked)
-    in_order = sorted(
-        itertools.product(first, second), key=lambda pair: sum(rank for rank, _ in pair)
-    )
-    chosen = next(
-        (pair for pair in in_order if _balance(cloth, piece, pair[0][1], pair[1][1]) > LEAST_HALF),
-        in_order[-1],
-    )
-    return [_vertex_at(cloth, piece, place) for _, place in chosen]
+    first, second = ranked
+    ranks = itertools.product(range(len(first)), range(len(second)))
+    pairs = [(first[m], second[n]) for m, n in sorted(ranks, key=sum)]
+    chosen = next((p for p in pairs if _balance(cloth, piece, *p) > LEAST_HALF), pairs[-1])
+    return [_vertex_at(cloth, piece, place) for place in chosen]
 
 
 def _starts(cloth: Cloth, piece: Piece) -> np.ndarray:

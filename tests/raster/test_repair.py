@@ -1,0 +1,200 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from garmentimage.errors import ImageError
+from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType
+from garmentimage.raster.repair import LEVELS, repair
+from tests.raster.boards import board, with_types
+
+SHIRT = "........ .aaaaaa. .aaaaaa. bbaaaacc bbaaaacc .dddddd. .eeeeee. ........"
+DRESS = board(SHIRT, SHIRT, sewn_around=True)
+NON_BOUNDARY, NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE = EdgeType
+
+
+def darted():
+    """A dress with a slit of two grid edges from the armpit into the front."""
+    slit = {(0, 1, 5, 3): SIDE_BY_SIDE, (0, 1, 6, 3): SIDE_BY_SIDE}
+    image = with_types(DRESS, slit)
+    deformation = image.deformation.copy()
+    deformation[0, 1, 0, 5:7, 2], deformation[0, 3, 0, 5:7, 3] = -1.0, 1.0
+    return replace(image, deformation=deformation)
+
+
+def soft(image, certainty):
+    """Channels of a network that is right everywhere, but not sure."""
+    block = image.to_channels().reshape(image.layers, CHANNELS_PER_LAYER, image.grid, image.grid)
+    block = block.copy()
+    block[:, 0] = 0.5 + (block[:, 0] - 0.5) * certainty
+    block[:, 1:9] = 0.25 + (block[:, 1:9] - 0.25) * certainty
+    return block.reshape(-1, image.grid, image.grid)
+
+
+def logits(image, size):
+    """The same as logits."""
+    block = image.to_channels().reshape(image.layers, CHANNELS_PER_LAYER, image.grid, image.grid)
+    block = block.copy()
+    block[:, :9] = (block[:, :9] - 0.5) * size
+    return block.reshape(-1, image.grid, image.grid)
+
+
+@pytest.mark.parametrize("image", [DRESS, darted()], ids=["dress", "darted"])
+@pytest.mark.parametrize("level", LEVELS)
+def test_correct_image_is_never_changed(image, level):
+    for given_image in (image, image.to_channels(), logits(image, 30.0)):
+        mended, report = repair(given_image, level)
+        assert mended.same_channels(image)
+        assert not report.changed
+
+
+@pytest.mark.parametrize("channels", [soft(darted(), 0.75), logits(darted(), 4.0)])
+def test_image_that_a_network_is_merely_fairly_sure_of_is_read_as_it_is(channels):
+    assert repair(channels)[0].same_channels(darted())
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_any_single_wrong_flag_is_mended(seed):
+    rng = np.random.default_rng(seed)
+    layer, row, col = rng.integers(2), rng.integers(8), rng.integers(8)
+    inside, deformation = DRESS.inside.copy(), DRESS.deformation.copy()
+    inside[layer, row, col] ^= True
+    deformation[layer, :, :, row, col] = 0
+    mended, report = repair(replace(DRESS, inside=inside, deformation=deformation))
+    assert mended.same_channels(DRESS)
+    assert report.counts["inconsistent flags"] == 1
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(LEVELS), st.integers(4, 12), st.integers(1, 3))
+def test_full_repair_leaves_nothing_inconsistent(seed, level, grid, layers):
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(size=(CHANNELS_PER_LAYER * layers, grid, grid)) * rng.choice([0.1, 1, 10])
+    mended, _ = repair(noise, level)
+    if level == "full":
+        assert inconsistencies(mended) == 0
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_repairing_twice_changes_nothing_more(seed):
+    rng = np.random.default_rng(seed)
+    mended, _ = repair(rng.normal(size=(2 * CHANNELS_PER_LAYER, 8, 8)))
+    again, _ = repair(mended)
+    assert inconsistencies(again) == 0
+    assert np.array_equal(again.inside, mended.inside)
+
+
+def inconsistencies(image):
+    """Grid edges whose type and cells do not agree."""
+    padded = np.pad(image.inside, ((0, 1 if image.layers % 2 else 0), (1, 0), (1, 0)))
+    here = padded[:, 1:, 1:]
+    wrong = 0
+    for h, other in enumerate((padded[:, :-1, 1:], padded[:, 1:, :-1])):
+        kinds = image.edge_type[:, h]
+        a, b = other[: image.layers], here[: image.layers]
+        wrong += (kinds[a != b] == NON_BOUNDARY).sum() + (kinds[~a & ~b] != NON_BOUNDARY).sum()
+        wrong += (kinds[a != b] == SIDE_BY_SIDE).sum()
+        for layer in range(0, image.layers, 2):
+            sewn = kinds[layer] == FRONT_TO_BACK
+            back = kinds[layer + 1] == FRONT_TO_BACK if layer + 1 < image.layers else ~sewn & False
+            wrong += (sewn != back).sum()
+            both = (other[layer] & other[layer + 1]) | (here[layer] & here[layer + 1])
+            wrong += (sewn & ~both).sum()
+    return int(wrong)
+
+
+def test_gap_in_a_front_to_back_seam_is_sewn_where_the_other_layer_agrees():
+    place = (0, 1, 5, 1)
+    assert DRESS.edge_type[place] == FRONT_TO_BACK
+    torn = with_types(DRESS, {place: NON_STITCH})
+    for level in ("paper", "full"):
+        assert repair(torn, level)[0].same_channels(DRESS)
+
+
+def test_opening_in_a_front_to_back_seam_stays_where_both_layers_have_it():
+    vent = with_types(DRESS, {(0, 1, 5, 1): NON_STITCH, (1, 1, 5, 1): NON_STITCH})
+    for level in ("paper", "full"):
+        assert repair(vent, level)[0] is vent
+
+
+def test_gap_in_a_side_by_side_seam_is_closed():
+    torn = with_types(DRESS, {(0, 0, 2, 4): NON_BOUNDARY})
+    for level in ("paper", "full"):
+        assert repair(torn, level)[0].same_channels(DRESS)
+
+
+def test_cloth_between_the_tips_of_two_darts_stays_whole():
+    image = darted()
+    second = with_types(image, {(0, 1, 3, 3): SIDE_BY_SIDE})
+    deformation = second.deformation.copy()
+    deformation[0, 1, 0, 3, 2], deformation[0, 3, 0, 3, 3] = -1.0, 1.0
+    both = replace(second, deformation=deformation)
+    for level in ("paper", "full"):
+        assert repair(both, level)[0].same_channels(both)
+
+
+def uncertain(image, walls, probability):
+    """Channels that are sure but for some grid edges: side by side with this probability."""
+    channels = image.to_channels().copy()
+    for layer, h, row, col in walls:
+        first = CHANNELS_PER_LAYER * layer + 1 + 4 * h
+        channels[first : first + 4, row, col] = 0
+        channels[first + SIDE_BY_SIDE, row, col] = probability
+        channels[first, row, col] = 1 - probability
+    return channels
+
+
+def test_seam_that_is_unsure_in_places_is_kept_whole():
+    walls = [(0, 0, 2, 3), (0, 0, 2, 5)]
+    mended, report = repair(uncertain(DRESS, walls, 0.35))
+    assert mended.same_channels(DRESS)
+    assert report.changed
+
+
+def test_slit_that_is_hardly_likelier_than_none_goes():
+    walls = [(0, 1, 5, 3), (0, 1, 6, 3)]
+    assert repair(uncertain(DRESS, walls, 0.6))[0].same_channels(DRESS)
+
+
+def test_slit_that_is_likely_stays_a_dart():
+    walls = [(0, 1, 5, 3), (0, 1, 6, 3)]
+    mended, _ = repair(uncertain(DRESS, walls, 0.95))
+    assert all(mended.edge_type[w] == SIDE_BY_SIDE for w in walls)
+
+
+BAND = [(0, 0, 2, col) for col in range(1, 7)]
+BELOW = [(0, 0, 3, col) for col in range(1, 7)]
+
+
+def test_sure_band_between_two_panels_stays_a_waistband():
+    assert repair(uncertain(DRESS, BAND + BELOW, 0.9))[0].same_channels(DRESS)
+
+
+def test_band_between_two_unsure_seams_becomes_one_seam():
+    channels = uncertain(DRESS, BAND, 0.55)
+    for layer, h, row, col in BELOW:
+        first = CHANNELS_PER_LAYER * layer + 1 + 4 * h
+        channels[first : first + 4, row, col] = [0.35, 0, 0, 0.65]
+    mended, _ = repair(channels)
+    seams = [sum(mended.edge_type[w] == SIDE_BY_SIDE for w in walls) for walls in (BAND, BELOW)]
+    assert sorted(seams) == [0, 6]
+
+
+def test_cell_that_became_inside_gets_the_vectors_of_its_neighbours():
+    inside, deformation = DRESS.inside.copy(), DRESS.deformation * np.float32(1.5)
+    whole = replace(DRESS, inside=inside.copy(), deformation=deformation.copy())
+    inside[0, 5, 4] = False
+    deformation[0, :, :, 5, 4] = 0
+    mended, report = repair(replace(DRESS, inside=inside, deformation=deformation))
+    assert mended.same_channels(whole)
+    assert report.counts["deformations filled in"] == 1
+
+
+def test_unknown_level_and_bad_arrays_are_refused():
+    with pytest.raises(ImageError, match="no repair level"):
+        repair(DRESS, "everything")
+    with pytest.raises(ImageError, match="not finite"):
+        repair(np.full((34, 16, 16), np.nan))
+    with pytest.raises(ImageError, match="33 channels"):
+        repair(np.zeros((33, 16, 16)))
