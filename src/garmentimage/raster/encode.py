@@ -13,6 +13,7 @@ import numpy as np
 from garmentimage.errors import EncodeError
 from garmentimage.geometry.polygons import centroid, resample, signed_area
 from garmentimage.pattern.model import Pattern
+from garmentimage.raster.canonical import canonical
 from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.compact import compact
 from garmentimage.raster.complex import SeamComplex, seam_complex
@@ -112,7 +113,7 @@ def _drawings(layout: Layout, frame: BodyFrame) -> Iterator[list[Path] | EncodeE
         for factor, radius in ATTEMPTS:
             fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
             try:
-                drawing = with_links(whole if part is None else part.drawing)
+                drawing = whole if part is None else part.drawing
                 paths = joined_links(drawing, lattice_paths(drawing, fine, radius))
                 yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
@@ -120,19 +121,20 @@ def _drawings(layout: Layout, frame: BodyFrame) -> Iterator[list[Path] | EncodeE
 
 
 def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
-    """Vertex-disjoint paths on the image's lattice, grid lines 1 to N - 1.
+    """Paths of the arcs on the image's lattice, grid lines 1 to N - 1, disjoint inside a layer.
 
     Raises:
         EncodeError: the drawing is too crowded for this lattice.
     """
-    drawn = route(drawing, fine, radius)
-    bent = with_bends(drawing)
-    state = _compacted(bent, drawn)
-    if state is None:
-        bent, state = drawing, _compacted(drawing, drawn)
-    if state is None:
-        raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
-    return polish(bent, state, 1, drawing.grid - 1)
+    seen = canonical(drawing)
+    plain = with_links(seen.drawing)
+    drawn = route(plain, fine, radius)
+    for linked in (with_bends(plain), plain):
+        state = _compacted(linked, drawn)
+        if state is not None:
+            paths = polish(linked, state, 1, drawing.grid - 1)
+            return seen.restore(joined_links(linked, paths))
+    raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
 
 
 def _compacted(drawing: Drawing, drawn: FinePaths) -> list[Path] | None:
