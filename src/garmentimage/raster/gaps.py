@@ -207,6 +207,10 @@ CLEARANCE = 1.8
 """Distance that panels keep which share no node [cm]."""
 WATCHED = 3.0
 """Pairs of boundary points up to this much farther apart are watched [cm]."""
+DEEP = (-12.0, -8.0)
+"""Panels that overlap deeper than this are not pushed apart, fading [cm]."""
+MOST_ROWS = 600
+"""Where panels are near in more places than this they lie on each other: pushing is no use."""
 REACH = 1.0
 """A boundary that ends this far [cm] above or below a point no more keeps it away."""
 
@@ -234,7 +238,9 @@ def clearance_rows(
             if np.intersect1d(rings[i], rings[j]).size:
                 continue
             parts.append(_apart(complex, samples, points, i, j, centres[j] - centres[i]))
-    return Rows.joined(parts) if parts else Rows.none()
+    if not parts or sum(len(part.base) for part in parts) > MOST_ROWS:
+        return Rows.none()
+    return Rows.joined(parts)
 
 
 def _apart(
@@ -263,9 +269,10 @@ def _apart(
     at = np.clip(unbounded, 0.0, 1.0)
     present = 1.0 - ramp(np.abs(unbounded - at) * np.abs(rise), 0.0, REACH)
     place = points[start, axis] + at * step[:, axis]
-    near = sign * (place - points[mine, axis][:, None]) < CLEARANCE + WATCHED
-    weight = ROW_WEIGHT * present * facing[:, None] * faced
-    row, k = np.nonzero(near & (weight > LEAST_WEIGHT))
+    distance = sign * (place - points[mine, axis][:, None])
+    shallow = ramp(distance, *DEEP)
+    weight = ROW_WEIGHT * present * facing[:, None] * faced * shallow
+    row, k = np.nonzero((distance < CLEARANCE + WATCHED) & (weight > LEAST_WEIGHT))
     return Rows(
         base=mine[row],
         second=np.stack([start[k], end[k]], axis=1),

@@ -4,7 +4,7 @@ A cascade of drawings, from the plainest to the freest; nearly every garment is 
 first. Each step is a fixed computation: no search, no randomness, and no choice by file order.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
@@ -33,10 +33,10 @@ FOLD_TOL = 4.0
 OVERLAP_TOL = 12.0
 """Panels may overlap by this area [cm²]: routing sorts out slivers."""
 
-TURNS = 60
+TURNS = 40
 """Most as-rigid-as-possible rounds."""
 SETTLED = 0.02
-"""Movement at which such rounds end [cm]."""
+"""Movement at which they end [cm]."""
 CLEARANCE_ROUNDS = 3
 """Rounds of keeping panels apart that share no node; always as many, so that nothing jumps."""
 
@@ -139,29 +139,21 @@ class _Desk:
             stiffness=self.stiffness,
             soft=soft,
         )
-        turn = turned if step.turning else None
-        points = _settle(base, facing, turn)
+        system = Constrained.of(base, facing)
+        points = system.minimum(base.load)
         for _ in range(CLEARANCE_ROUNDS):
             near = clearance_rows(self.complex, self.samples, points)
             if not len(near.base):
                 break
-            points = _settle(base, Rows.joined([facing, near]), turn)
+            system = Constrained.of(base, Rows.joined([facing, near]))
+            points = system.minimum(base.load)
+        for _ in range(TURNS if step.turning else 0):
+            before, points = points, system.minimum(turned(points))
+            if np.abs(points - before).max() < SETTLED:
+                break
         curves = _refined(self.complex, self.samples, rest, points)
         problems, at_fault = find_problems(self.complex, curves)
         return Layout(self.complex, curves, step.stage, problems), at_fault
-
-
-def _settle(
-    base: Energy, rows: Rows, turned: Callable[[np.ndarray], np.ndarray] | None
-) -> Float[np.ndarray, "n 2"]:
-    """Positions of least energy; with `turned`, rest shapes turn until nothing moves."""
-    system = Constrained.of(base, rows)
-    points = system.minimum(base.load)
-    for _ in range(TURNS if turned else 0):
-        before, points = points, system.minimum(turned(points))  # type: ignore[misc]
-        if np.abs(points - before).max() < SETTLED:
-            break
-    return points
 
 
 def _refined(

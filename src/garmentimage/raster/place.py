@@ -40,7 +40,7 @@ LAYER_DEPTH = 5.0
 DEPTH_DEAD_ZONE = 1.0
 """Panels nearer to the middle plane than this [cm] take their layer from their outer face."""
 
-PLAIN_ANGLE = 12.0
+PLAIN_ANGLE = 30.0
 """Panels turned by less than this [degrees] from upright or lying are meant so."""
 
 UPRIGHT_PULL = 15.0
