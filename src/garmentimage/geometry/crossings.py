@@ -10,7 +10,7 @@ _PAIR_LIMIT = 256
 _FOLD_TOL = 1e-9
 
 
-def touching_sides(polygons: Sequence[Float[np.ndarray, "n 2"]]) -> Int[np.ndarray, "pair 2"]:
+def touching_sides(polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Int[np.ndarray, "pair 2"]:
     """Pairs of sides that have a point in common and are not neighbours in one polygon.
 
     Neighbours count where one folds back onto the other. At most 256 pairs are given.

@@ -46,69 +46,147 @@ def compact(
         Paths and wishes after the move, or None when there is no room between the limits.
     """
     lens = np.array([len(p) for p in paths])
+    ends = np.cumsum(lens)
+    starts = ends - lens
     flat = np.concatenate(paths)
     base = flat.min(axis=0)
-    size = flat.max(axis=0) - base + 1
-    axis = -1 if drawing.axis is None or along == 1 else drawing.axis
-    status, new = _compact(
-        flat - base,
-        np.concatenate(wanted)[:, along],
-        lens,
-        drawing.tail,
-        drawing.head,
-        drawing.layers,
-        drawing.node_on_axis,
-        drawing.on_axis,
-        drawing.least,
-        drawing.wish,
-        np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in drawing.curves]) / lens,
-        drawing.node_target[:, along],
-        along,
-        int(size[0]),
-        int(size[1]),
-        low if bounded else -BIG,
-        high if bounded else BIG,
-        axis,
+    flat -= base
+    variable = _variables(
+        flat, lens, drawing.tail, drawing.head, len(drawing.node_target), along
     )
-    if not status:
+    _, variable = np.unique(variable, return_inverse=True)
+    place = np.zeros(variable.max() + 1, np.int64)
+    place[variable] = flat[:, along]
+    inner = np.ones(len(flat), bool)
+    inner[starts] = inner[ends - 1] = False
+    target, weight = _wishes(drawing, np.concatenate(wanted)[:, along], lens, variable, inner, along)
+    floor = np.full(len(place), float(low if bounded else -BIG))
+    roof = np.full(len(place), float(high if bounded else BIG))
+    if drawing.axis is not None and along == 0:
+        floor[:] = np.maximum(floor, drawing.axis + 1.0)
+        on_axis = np.concatenate(
+            [
+                variable[np.repeat(drawing.on_axis, lens)],
+                variable[starts][drawing.node_on_axis[drawing.tail]],
+                variable[ends - 1][drawing.node_on_axis[drawing.head]],
+            ]
+        )
+        floor[on_axis] = roof[on_axis] = drawing.axis
+    order = _order(flat, lens, drawing.layers, variable, along)
+    if order is None:
         return None
-    out_paths, out_wanted = [], []
-    at = 0
-    for path, wish in zip(paths, wanted):
-        moved, count, w = _stretch(path, new[at : at + len(path)], wish, along)
-        out_paths.append(moved[:count])
-        out_wanted.append(w[:count])
-        at += len(path)
-    return out_paths, out_wanted
+    chords, springs = _chords(drawing, flat, starts, ends, variable, along)
+    rows = np.concatenate([order, chords])
+    stiff = np.concatenate([np.zeros(len(order)), springs])
+    ahead = np.argsort(place[rows[:, 0].astype(np.int64)], kind="stable")
+    back = np.argsort(-place[rows[:, 1].astype(np.int64)], kind="stable")
+    new, sound = _solve(rows, stiff, ahead, back, target, weight, floor, roof)
+    if not sound:
+        return None
+    stretched, wishes, owner = _stretched(
+        flat + base, new[variable], np.concatenate(wanted), starts, lens, along
+    )
+    cuts = np.flatnonzero(np.diff(owner)) + 1
+    return np.split(stretched, cuts), np.split(wishes, cuts)
 
 
-@njit(cache=True)
-def _stretch(path, new, wish, along):  # type: ignore[no-untyped-def]
-    """The path with new coordinates: collapsed steps dropped, long steps filled."""
-    total = 1
-    for k in range(1, len(path)):
-        total += max(abs(new[k] - new[k - 1]), 1)
-    out = np.empty((total, 2), np.int64)
-    w = np.empty((total, 2))
-    other = 1 - along
-    out[0, along], out[0, other] = new[0], path[0, other]
-    w[0] = wish[0]
-    count = 1
-    for k in range(1, len(path)):
-        if path[k, other] != path[k - 1, other]:
-            out[count, along], out[count, other] = new[k], path[k, other]
-            w[count] = wish[k]
-            count += 1
-            continue
-        steps = abs(new[k] - new[k - 1])
-        sign = 1 if new[k] > new[k - 1] else -1
-        for s in range(1, steps + 1):
-            out[count, along], out[count, other] = new[k - 1] + sign * s, path[k, other]
-            w[count] = wish[k - 1] + (wish[k] - wish[k - 1]) * (s / steps)
-            count += 1
-        if steps == 0 and k == len(path) - 1:
-            w[count - 1] = wish[k]
-    return out, count, w
+def _stretched(
+    flat: Path,
+    new: np.ndarray,
+    wanted: np.ndarray,
+    starts: np.ndarray,
+    lens: np.ndarray,
+    along: int,
+) -> tuple[Path, np.ndarray, np.ndarray]:
+    """All paths with new coordinates, collapsed steps dropped, long steps filled; wishes; arcs."""
+    before = np.arange(len(flat)) - 1
+    before[starts] = starts
+    step = new - new[before]
+    turned = flat[:, 1 - along] != flat[before, 1 - along]
+    count = np.where(turned, 1, np.abs(step))
+    count[starts] = 1
+    index = np.repeat(np.arange(len(flat)), count)
+    number = np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + 1
+    back = (count[index] - number) * np.sign(step[index])
+    out = flat[index].copy()
+    out[:, along] = new[index] - back
+    share = (number / count[index])[:, None]
+    wishes = wanted[before[index]] * (1 - share) + wanted[index] * share
+    return out, wishes, np.repeat(np.arange(len(lens)), lens)[index]
+
+
+def _wishes(
+    drawing: Drawing,
+    wanted: np.ndarray,
+    lens: np.ndarray,
+    variable: np.ndarray,
+    inner: np.ndarray,
+    along: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean wish and weight of each variable: a cell of path weighs 1, a node `NODE_WEIGHT`."""
+    cells = np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in drawing.curves])
+    load = np.where(inner, np.repeat(cells / lens, lens), 0.0)
+    count = variable.max() + 1
+    weight = np.bincount(variable, load, count)
+    target = np.bincount(variable, load * wanted, count)
+    ends = np.cumsum(lens)
+    nodes = np.concatenate([drawing.tail, drawing.head])
+    at = np.concatenate([variable[ends - lens], variable[ends - 1]])
+    nodes, first = np.unique(nodes, return_index=True)
+    np.add.at(weight, at[first], NODE_WEIGHT)
+    np.add.at(target, at[first], NODE_WEIGHT * drawing.node_target[nodes, along])
+    return target / weight, weight
+
+
+def _order(
+    flat: Path, lens: np.ndarray, layers: np.ndarray, variable: np.ndarray, along: int
+) -> np.ndarray | None:
+    """Rows (u, v, s) for X_v - X_u >= s, the strongest of equals; None if paths touch themselves."""
+    width, height = (flat.max(axis=0) + 1).tolist()
+    pairs, sound = _neighbours(flat, lens, layers, variable, along, width, height)
+    if not sound:
+        return None
+    key = (pairs[:, 0] * (len(flat) + 1) + pairs[:, 1]) * 2 + (1 - pairs[:, 2])
+    key = np.unique(key)
+    pair, weak = key // 2, key % 2
+    first = np.concatenate([[True], pair[1:] != pair[:-1]]) if len(pair) else np.zeros(0, bool)
+    pair, weak = pair[first], weak[first]
+    return np.stack([pair // (len(flat) + 1), pair % (len(flat) + 1), 1 - weak], axis=1).astype(
+        float
+    )
+
+
+def _chords(
+    drawing: Drawing,
+    flat: Path,
+    starts: np.ndarray,
+    ends: np.ndarray,
+    variable: np.ndarray,
+    along: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows that keep grid edges for arcs along their main direction, and their stiffness.
+
+    One edge is kept, or as many as the arc insists on (stiffness 0: hard); for its shape it would
+    like more (a spring), half of them where it runs diagonally.
+    """
+    first, last = flat[starts], flat[ends - 1]
+    mine = np.abs(last - first)[:, along]
+    others = np.abs(last - first)[:, 1 - along]
+    up = first[:, along] <= last[:, along]
+    u = np.where(up, variable[starts], variable[ends - 1])
+    v = np.where(up, variable[ends - 1], variable[starts])
+    real = (u != v) & (mine > 0)
+    hard = real & (mine >= others)
+    part = mine / np.maximum(mine + others, 1)
+    soft = real & (drawing.wish > 1.0) & (part > 0.25)
+    rows = np.concatenate(
+        [
+            np.stack([u, v, np.minimum(drawing.least, mine)], axis=1)[hard],
+            np.stack([u, v, np.minimum(drawing.wish * part, mine)], axis=1)[soft],
+        ]
+    ).astype(float)
+    springs = SHAPE_WEIGHT * np.minimum(1.0, (part - 0.25) * 8)[soft]
+    return rows, np.concatenate([np.zeros(int(hard.sum())), springs])
 
 
 @njit(cache=True)
@@ -123,42 +201,29 @@ def _root(parent, i):  # type: ignore[no-untyped-def]
 def _variables(flat, lens, tail, head, nodes, along):  # type: ignore[no-untyped-def]
     """A variable per run of vertices that share their coordinate; a node has one for all arcs."""
     other = 1 - along
-    var = np.empty(len(flat), np.int64)
+    out = np.empty(len(flat), np.int64)
     parent = np.arange(nodes + len(flat))
     at = 0
     for i in range(len(lens)):
-        var[at] = tail[i]
+        out[at] = tail[i]
         for k in range(1, lens[i]):
+            turned = flat[at + k, other] != flat[at + k - 1, other]
             if k == lens[i] - 1:
-                var[at + k] = head[i]
-                if flat[at + k, other] != flat[at + k - 1, other]:
-                    a, b = _root(parent, head[i]), _root(parent, var[at + k - 1])
+                out[at + k] = head[i]
+                if turned:
+                    a, b = _root(parent, head[i]), _root(parent, out[at + k - 1])
                     parent[max(a, b)] = min(a, b)
-            elif flat[at + k, other] != flat[at + k - 1, other]:
-                var[at + k] = var[at + k - 1]
             else:
-                var[at + k] = nodes + at + k
+                out[at + k] = out[at + k - 1] if turned else nodes + at + k
         at += lens[i]
-    number = np.full(len(parent), -1, np.int64)
-    count = 0
     for v in range(len(flat)):
-        r = _root(parent, var[v])
-        if number[r] < 0:
-            number[r] = count
-            count += 1
-        var[v] = number[r]
-    node_var = np.full(nodes, -1, np.int64)
-    at = 0
-    for i in range(len(lens)):
-        node_var[tail[i]] = var[at]
-        node_var[head[i]] = var[at + lens[i] - 1]
-        at += lens[i]
-    return var, node_var, count
+        out[v] = _root(parent, out[v])
+    return out
 
 
 @njit(cache=True)
-def _constraints(flat, lens, mask, var, along, width, height):  # type: ignore[no-untyped-def]
-    """Order along every line: rows (u, v, s) for X_v - X_u >= s, sorted, the strongest of equals."""
+def _neighbours(flat, lens, mask, variable, along, width, height):  # type: ignore[no-untyped-def]
+    """(u, v, steps) for neighbours on a lattice line; False if one variable meets itself there."""
     other = 1 - along
     cells = width * height
     pairs = np.empty((2 * len(flat), 3), np.int64)
@@ -174,37 +239,26 @@ def _constraints(flat, lens, mask, var, along, width, height):  # type: ignore[n
             if mask[i] >> layer & 1:
                 for k in range(lens[i]):
                     v = at + k
-                    cell = flat[v, other] * length + flat[v, along]
-                    owner[cell] = var[v]
+                    line = flat[v, other] * length
+                    owner[line + flat[v, along]] = variable[v]
                     if k and flat[v, other] == flat[v - 1, other]:
-                        move[flat[v, other] * length + min(flat[v, along], flat[v - 1, along])] = (
-                            True
-                        )
+                        move[line + min(flat[v, along], flat[v - 1, along])] = True
             at += lens[i]
         for line in range(cells // length):
             last = -1
             for c in range(line * length, (line + 1) * length):
                 if owner[c] < 0:
                     continue
-                if last >= 0 and owner[last] != owner[c]:
-                    step = 0 if c == last + 1 and move[last] else 1
-                    pairs[n, 0], pairs[n, 1], pairs[n, 2] = owner[last], owner[c], step
-                    n += 1
-                elif last >= 0 and not (c == last + 1 and move[last]):
-                    return pairs[:0], False
+                if last >= 0:
+                    joined = c == last + 1 and move[last]
+                    if owner[last] != owner[c]:
+                        pairs[n, 0], pairs[n, 1] = owner[last], owner[c]
+                        pairs[n, 2] = 0 if joined else 1
+                        n += 1
+                    elif not joined:
+                        return pairs[:0], False
                 last = c
-    if n == 0:
-        return pairs[:0], True
-    key = (pairs[:n, 0] * (len(flat) + 1) + pairs[:n, 1]) * 2 + (1 - pairs[:n, 2])
-    order = np.argsort(key)
-    keep = np.empty((n, 3), np.int64)
-    m = 0
-    for q in order:
-        if m and keep[m - 1, 0] == pairs[q, 0] and keep[m - 1, 1] == pairs[q, 1]:
-            continue
-        keep[m] = pairs[q]
-        m += 1
-    return keep[:m], True
+    return pairs[:n], True
 
 
 @njit(cache=True)
@@ -251,107 +305,33 @@ def _project(target, weight, cons, stiff, low, high, sweeps, tolerance):  # type
 
 
 @njit(cache=True)
-def _compact(  # type: ignore[no-untyped-def]
-    flat, wanted, lens, tail, head, mask, node_on_axis, arc_on_axis, least, wish, load, node_target,
-    along, width, height, low, high, axis,
-):  # fmt: skip
-    nodes = len(node_on_axis)
-    var, node_var, count = _variables(flat, lens, tail, head, nodes, along)
-    new = np.zeros(len(flat), np.int64)
-    hard, sound = _constraints(flat, lens, mask, var, along, width, height)
-    if not sound:
-        return False, new
-    arcs = len(lens)
-    place = np.zeros(count, np.int64)
-    target = np.zeros(count)
-    weight = np.zeros(count)
-    at = 0
-    for i in range(arcs):
-        for k in range(lens[i]):
-            place[var[at + k]] = flat[at + k, along]
-            if 0 < k < lens[i] - 1:
-                target[var[at + k]] += load[i] * wanted[at + k]
-                weight[var[at + k]] += load[i]
-        at += lens[i]
-    for n in range(nodes):
-        if node_var[n] >= 0:
-            target[node_var[n]] += NODE_WEIGHT * node_target[n]
-            weight[node_var[n]] += NODE_WEIGHT
-    floor = np.full(count, float(low))
-    roof = np.full(count, float(high))
-    if axis >= 0:
-        floor[:] = max(float(low), axis + 1.0)
-        at = 0
-        for i in range(arcs):
-            for k in range(lens[i]):
-                if (
-                    arc_on_axis[i]
-                    or (k == 0 and node_on_axis[tail[i]])
-                    or (k == lens[i] - 1 and node_on_axis[head[i]])
-                ):
-                    floor[var[at + k]] = roof[var[at + k]] = axis
-            at += lens[i]
-    for v in range(count):
-        if weight[v] > 0:
-            target[v] /= weight[v]
-        else:
-            weight[v] = 1e-3
-            target[v] = place[v]
-    # Arcs keep grid edges along their main direction: one, or two where a parallel arc must stay
-    # apart; for the shape they would like more (a spring).
-    rows = np.empty((len(hard) + 2 * arcs, 3))
-    stiff = np.zeros(len(hard) + 2 * arcs)
-    m = len(hard)
-    rows[:m] = hard
-    at = 0
-    for i in range(arcs):
-        dx = abs(flat[at + lens[i] - 1, 0] - flat[at, 0])
-        dy = abs(flat[at + lens[i] - 1, 1] - flat[at, 1])
-        mine, others = (dx, dy) if along == 0 else (dy, dx)
-        u, v = var[at], var[at + lens[i] - 1]
-        if flat[at, along] > flat[at + lens[i] - 1, along]:
-            u, v = v, u
-        if u != v and mine > 0:
-            straight = mine >= others
-            if straight:
-                rows[m, 0], rows[m, 1], rows[m, 2] = u, v, min(least[i], mine)
-                m += 1
-            # Fades where the arc runs diagonally: half of its edges then lie on each axis.
-            part = mine / (mine + others)
-            if wish[i] > 1.0 and part > 0.25:
-                rows[m, 0], rows[m, 1], rows[m, 2] = u, v, min(wish[i] * part, float(mine))
-                stiff[m] = SHAPE_WEIGHT * min(1.0, (part - 0.25) * 8)
-                m += 1
-        at += lens[i]
-    order = np.argsort(place[rows[:m, 0].astype(np.int64)], kind="mergesort")
-    cons, springs = rows[:m][order], stiff[:m][order]
-    # Room: the lowest and highest coordinates that the hard rows leave.
-    least_x, most_x = floor.copy(), roof.copy()
-    for c in range(m):
-        if springs[c] == 0:
-            u, v = int(cons[c, 0]), int(cons[c, 1])
-            least_x[v] = max(least_x[v], least_x[u] + cons[c, 2])
-    back = np.argsort(-place[rows[:m, 1].astype(np.int64)], kind="mergesort")
+def _solve(rows, stiff, ahead, back, target, weight, floor, roof):  # type: ignore[no-untyped-def]
+    """Integers nearest to the target; `ahead` and `back` order the rows by place, both ways."""
+    low, high = floor.copy(), roof.copy()
+    for c in ahead:
+        if stiff[c] == 0:
+            u, v = int(rows[c, 0]), int(rows[c, 1])
+            low[v] = max(low[v], low[u] + rows[c, 2])
     for c in back:
         if stiff[c] == 0:
             u, v = int(rows[c, 0]), int(rows[c, 1])
-            most_x[u] = min(most_x[u], most_x[v] - rows[c, 2])
-    for v in range(count):
-        if least_x[v] > most_x[v]:
-            return False, new
-    x = _project(target, weight, cons, springs, least_x, most_x, SWEEPS, TOLERANCE)
-    whole = np.floor(x + 0.5)
-    for v in range(count):
-        whole[v] = min(max(whole[v], least_x[v]), most_x[v])
+            high[u] = min(high[u], high[v] - rows[c, 2])
+    out = np.zeros(len(target), np.int64)
+    for v in range(len(target)):
+        if low[v] > high[v]:
+            return out, False
+    x = _project(target, weight, rows[ahead], stiff[ahead], low, high, SWEEPS, TOLERANCE)
+    for v in range(len(target)):
+        x[v] = min(max(np.floor(x[v] + 0.5), low[v]), high[v])
     # Coordinate ascent stops a hair early; these passes make the integers exact.
-    for c in range(m):
-        if springs[c] == 0:
-            u, v = int(cons[c, 0]), int(cons[c, 1])
-            whole[v] = max(whole[v], whole[u] + cons[c, 2])
+    for c in ahead:
+        if stiff[c] == 0:
+            u, v = int(rows[c, 0]), int(rows[c, 1])
+            x[v] = max(x[v], x[u] + rows[c, 2])
     for c in back:
         if stiff[c] == 0:
             u, v = int(rows[c, 0]), int(rows[c, 1])
-            whole[u] = min(whole[u], whole[v] - rows[c, 2])
-    for k in range(len(flat)):
-        new[k] = int(whole[var[k]])
-    return True, new
+            x[u] = min(x[u], x[v] - rows[c, 2])
+    for v in range(len(target)):
+        out[v] = int(x[v])
+    return out, True

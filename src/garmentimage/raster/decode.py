@@ -16,7 +16,9 @@ from garmentimage.errors import DecodeError
 from garmentimage.geometry.crossings import contains, touching_sides
 from garmentimage.geometry.curves import Curve
 from garmentimage.geometry.polygons import centroid, signed_area
+from garmentimage.pattern.check import PANEL_SIZE_LIMIT, SHORTEST_EDGE
 from garmentimage.pattern.model import (
+    POLYGON_CHORDS,
     Loop,
     Panel,
     Pattern,
@@ -51,8 +53,6 @@ LAYER_STEP_CM = 3.0
 """How much farther out each further pair of layers is placed."""
 
 ORTHOGONAL_TOL = 1e-3
-
-_SAMPLES = np.arange(16) / 16
 
 EFFORTS = (
     # (sew up overlapping slits, pull towards the undeformed grid)
@@ -276,15 +276,26 @@ def _draw(
 
 
 def _is_outline(polygons: Sequence[np.ndarray]) -> bool:
-    """Whether loops can bound a panel: an outline and holes in it, none crossing or touching."""
+    """Whether loops bound a panel: an outline and holes in it, none crossing, touching or tiny."""
     if not polygons or any(len(p) < 3 for p in polygons):
         return False
-    areas = [abs(signed_area(p)) for p in polygons]
-    outline = polygons[int(np.argmax(areas))]
-    return bool(
-        max(areas) > SMALLEST_PANEL_CM2
-        and not len(touching_sides(polygons))
-        and all(p is outline or contains(outline, p[0]) for p in polygons)
+    areas = [signed_area(p) for p in polygons]
+    first = int(np.argmax(np.abs(areas)))
+    outline = polygons[first]
+    steps = np.concatenate([np.diff(p, axis=0, append=p[:1]) for p in polygons])
+    if (
+        abs(areas[first]) < SMALLEST_PANEL_CM2
+        or np.ptp(outline, axis=0).max() > PANEL_SIZE_LIMIT
+        or np.abs(steps).max(axis=1).min() < 2 * SHORTEST_EDGE
+        or len(touching_sides(polygons))
+    ):
+        return False
+    holes = [k for k in range(len(polygons)) if k != first]
+    return all(
+        areas[k] * areas[first] < 0
+        and contains(outline, polygons[k][0])
+        and not any(j != k and contains(polygons[j], polygons[k][0]) for j in holes)
+        for k in holes
     )
 
 
@@ -296,7 +307,7 @@ def _curved_runs(
         run if not curve.is_straight else NONE
         for loop in loops
         for curve, run in zip(loop.curves, loop.runs, strict=True)
-        for _ in range(1 if curve.is_straight else len(_SAMPLES))
+        for _ in range(_chord_count(curve))
     ]
     runs = set()
     for pair in touching_sides(polygons).tolist():
@@ -377,6 +388,8 @@ def _moved(loop: Loop, move: Float[np.ndarray, " 2"]) -> Loop:
 
 
 def _polygon(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
-    return np.concatenate(
-        [np.array([c.start]) if c.is_straight else c.at(_SAMPLES) for c in curves]
-    )
+    return np.concatenate([c.sample(_chord_count(c))[:-1] for c in curves])
+
+
+def _chord_count(curve: Curve) -> int:
+    return 1 if curve.is_straight else POLYGON_CHORDS

@@ -207,9 +207,9 @@ CLEARANCE = 1.8
 """Distance that panels keep which share no node [cm]."""
 WATCHED = 3.0
 """Pairs of boundary points up to this much farther apart are watched [cm]."""
-DEEP = (-12.0, -8.0)
+DEEP = (-45.0, -35.0)
 """Panels that overlap deeper than this are not pushed apart, fading [cm]."""
-MOST_ROWS = 600
+MOST_ROWS = 1500
 """Where panels are near in more places than this they lie on each other: pushing is no use."""
 REACH = 1.0
 """A boundary that ends this far [cm] above or below a point no more keeps it away."""

@@ -70,7 +70,7 @@ def _body_box(image: GarmentImage, cluster: Cluster) -> np.ndarray:
 def _name(image: GarmentImage, cluster: Cluster) -> str:
     left, right = _body_box(image, cluster)[:, 0]
     face = "front" if cluster.outward > 0 else "back"
-    central = left < -CENTRE_TOL_CM and right > CENTRE_TOL_CM
+    central = bool(left < -CENTRE_TOL_CM and right > CENTRE_TOL_CM)
     kind = _kind(image, cluster, central=central)
     if not central:
         return f"{'left' if left + right > 0 else 'right'}_{kind}_{face}"

@@ -62,9 +62,17 @@ def route(drawing: Drawing, fine: int, radius: float) -> FinePaths:
             "check the units and the placement of its panels"
         )
     starts = np.concatenate([[0], np.cumsum([len(c) for c in drawing.curves])])
-    node_xy = snap_nodes(
-        drawing.node_target * fine - low, drawing.node_layers, drawing.node_on_axis, axis
+    wished = drawing.node_target * fine - low
+    # Axis nodes have the least freedom, then nodes of both layers; place breaks ties.
+    first = np.lexsort(
+        (
+            wished[:, 0].round(),
+            wished[:, 1].round(),
+            drawing.node_layers != 3,
+            ~drawing.node_on_axis,
+        )
     )
+    node_xy = snap_nodes(wished, drawing.node_layers, drawing.node_on_axis, axis, first)
     # Short arcs first: they have the least room. Rounding keeps the order under small changes.
     lengths = np.array([np.hypot(*np.diff(c * fine, axis=0).T).sum() for c in drawing.curves])
     middles = np.array([c[len(c) // 2] for c in drawing.curves]).round(1)
@@ -100,17 +108,12 @@ def route(drawing: Drawing, fine: int, radius: float) -> FinePaths:
 
 
 @njit(cache=True)
-def snap_nodes(target, layers, on_axis, axis):  # type: ignore[no-untyped-def]
+def snap_nodes(target, layers, on_axis, axis, order):  # type: ignore[no-untyped-def]
     """Nearest distinct lattice points for nodes; a free ring round each is preferred."""
     count = len(target)
     xy = np.zeros((count, 2), np.int64)
     placed = np.zeros(count, np.bool_)
-    # Axis nodes have the least freedom, then nodes of both layers; geometry breaks ties.
-    key = np.zeros(count)
-    for i in range(count):
-        both = 1.0 if layers[i] == 3 else 0.0
-        key[i] = -1e9 * on_axis[i] - 1e6 * both + round(target[i, 1]) * 1e3 + round(target[i, 0])
-    for i in np.argsort(key, kind="mergesort"):
+    for i in order:
         cx, cy = int(np.floor(target[i, 0] + 0.5)), int(np.floor(target[i, 1] + 0.5))
         best, bx, by = 1e18, cx, cy
         for reach in range(0, 7):

@@ -213,26 +213,51 @@ def _round_trip(a: float, b: float, perimeter: float) -> float:
 def _choose_vertices(
     cloth: Cloth, piece: Piece, places: list[float], undecided: set[int]
 ) -> list[int]:
-    """The two edges before which to cut; a place far from any good vertex gets a new one.
+    """The two edges before which to cut; a place far from any good one gets a new vertex.
 
-    Best are vertices where the neighbours change from one layer to the other, then other
-    vertices nearby; of those the first pair that leaves two true halves.
+    Best is where the neighbours change from one layer to the other, halfway along the free
+    boundary between them if there is some; then any vertex nearby. Of those the first pair that
+    leaves two true halves is taken.
     """
-    loop = piece.loops[0]
     starts = _starts(cloth, piece)
-    layers = [_partner_layer(cloth, e, undecided) for e in loop]
-    changes = {k for k in range(len(loop)) if {layers[k - 1], layers[k]} == {0, 1}}
+    changes = _layer_changes(cloth, piece, undecided)
     ranked: list[list[float]] = []
     for place in places:
-        reach = [_round_trip(s, place, starts[-1]) / starts[-1] for s in starts[:-1]]
-        good = sorted((r, k) for k, r in enumerate(reach) if k in changes and r < PARTNER_REACH)
-        near = sorted((r, k) for k, r in enumerate(reach) if r < VERTEX_REACH)
-        ranked.append([*(starts[k] for _, k in good), *(starts[k] for _, k in near), place])
+
+        def reach(at: float, place: float = place) -> float:
+            return _round_trip(at, place, starts[-1]) / starts[-1]
+
+        good = sorted((at for at in changes if reach(at) < PARTNER_REACH), key=reach)
+        near = sorted((at for at in starts[:-1] if reach(at) < VERTEX_REACH), key=reach)
+        ranked.append([*good, *near, place])
     first, second = ranked
     ranks = itertools.product(range(len(first)), range(len(second)))
     pairs = [(first[m], second[n]) for m, n in sorted(ranks, key=sum)]
     chosen = next((p for p in pairs if _balance(cloth, piece, *p) > LEAST_HALF), pairs[-1])
     return [_vertex_at(cloth, piece, place) for place in chosen]
+
+
+def _layer_changes(cloth: Cloth, piece: Piece, undecided: set[int]) -> list[float]:
+    """Places on the outer loop where the stitched neighbours change from layer to layer.
+
+    Halfway along the free edges between such neighbours; edges sewn to panels that are not yet
+    cut separate nothing.
+    """
+    loop, starts = piece.loops[0], _starts(cloth, piece)
+    count, perimeter = len(loop), starts[-1]
+    layers = [_partner_layer(cloth, e, undecided) for e in loop]
+    changes = []
+    for k in range(count):
+        if layers[k] is None:
+            continue
+        run = 1
+        while run < count and loop[(k + run) % count] not in cloth.sewn:
+            run += 1
+        if {layers[k], layers[(k + run) % count]} == {0, 1}:
+            first = starts[k + 1]
+            last = starts[(k + run) % count] + (perimeter if k + run >= count else 0.0)
+            changes.append(float((first + last) / 2 % perimeter))
+    return changes
 
 
 def _starts(cloth: Cloth, piece: Piece) -> np.ndarray:

@@ -1,0 +1,57 @@
+"""Small patterns for tests of placing and drawing: rectangles on the body, sewn as a test wants."""
+
+from garmentimage.geometry.curves import Line
+from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
+
+BOTTOM, RIGHT, TOP, LEFT = range(4)
+"""Edges of `rectangle`, counter-clockwise."""
+
+BACK = (0.0, 180.0, 0.0)
+"""Rotation of a panel that faces back."""
+LEFT_SIDE = (0.0, 90.0, 0.0)
+"""Rotation of a panel that faces the wearer's left, the right of a picture of the front."""
+
+
+def polygon(name, points, place, rotation=(0.0, 0.0, 0.0), holes=()):
+    """A panel with straight edges; edge k leaves point k."""
+    return Panel(name, _loop(points), holes, translation=place, rotation=rotation)
+
+
+def rectangle(name, width, height, place, rotation=(0.0, 0.0, 0.0), holes=()):
+    """A panel centred on its origin."""
+    x, y = width / 2, height / 2
+    return polygon(name, [(-x, -y), (x, -y), (x, y), (-x, y)], place, rotation, holes)
+
+
+def _loop(points):
+    ends = [*points[1:], points[0]]
+    return loop_from_curves([Line(a, b) for a, b in zip(points, ends)])
+
+
+def stitch(a, i, b, j, *, same_direction=False):
+    return Stitch(Side(a, i), Side(b, j), same_direction)
+
+
+def tube(width=50.0, height=60.0, middle=70.0):
+    """A skirt of a front and a back."""
+    return Pattern(
+        (
+            rectangle("front", width, height, (0.0, middle, 20.0)),
+            rectangle("back", width, height, (0.0, middle, -20.0), BACK),
+        ),
+        (stitch("front", RIGHT, "back", LEFT), stitch("front", LEFT, "back", RIGHT)),
+    )
+
+
+def gored_tube(depth=30.0):
+    """A skirt of a front, a back and a gore on the wearer's left that wraps round the side."""
+    gore = rectangle("gore", depth, 60.0, (30.0, 70.0, 0.0), LEFT_SIDE)
+    front, back = tube().panels
+    return Pattern(
+        (front, back, gore),
+        (
+            stitch("front", RIGHT, "gore", LEFT),
+            stitch("gore", RIGHT, "back", LEFT),
+            stitch("front", LEFT, "back", RIGHT),
+        ),
+    )
