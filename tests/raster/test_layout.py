@@ -12,13 +12,13 @@ from garmentimage import EncodeError
 from garmentimage.pattern.model import Pattern
 from garmentimage.pattern.spec import load_pattern
 from garmentimage.raster.complex import seam_complex
-from garmentimage.raster.layout import FIRST, layouts
+from garmentimage.raster.layout import FIRST, MOST_ARCS, layouts
 from garmentimage.raster.place import place
 from garmentimage.raster.relax import one_sided_forces
 from tests.corpus import corpus_sample
 from tests.garments import designs, garment, garments
 from tests.raster.mirror import mirrored_pattern
-from tests.raster.panels import LEFT, RIGHT, gored_tube, rectangle, stitch, tube
+from tests.raster.panels import LEFT, RIGHT, gored_tube, polygon, rectangle, stitch, tube
 
 laws = settings(max_examples=15)
 
@@ -129,13 +129,13 @@ def test_a_layout_keeps_the_shape_of_panels_that_fit():
     assert np.allclose(points.max(axis=0), [25, 100], atol=1e-6)
 
 
-def test_legs_that_cross_are_parted():
-    """Two legs sewn down to the crotch whose inner edges would cross below it."""
-    panels, stitches = [], []
-    for name, z, turn in (("f", 20.0, 0.0), ("b", -20.0, 180.0)):
-        for side in (-1, 1):
-            x = side * 14.0
-            panels.append(rectangle(f"{name}{side}", 32, 60, (x, 60.0, z), (0.0, turn, 0.0)))
+def test_panels_that_overlap_and_share_no_seam_are_parted():
+    """Two tubes side by side, as legs that are not joined, drawn 4 cm into each other."""
+    panels = [
+        rectangle(f"{face}{side}", 32, 60, (side * 14.0, 60.0, z), (0.0, turn, 0.0))
+        for face, z, turn in (("f", 20.0, 0.0), ("b", -20.0, 180.0))
+        for side in (-1, 1)
+    ]
     stitches = [
         stitch("f1", RIGHT, "b1", LEFT),
         stitch("f-1", LEFT, "b-1", RIGHT),
@@ -169,6 +169,14 @@ def test_layouts_come_lazily_and_every_step_is_drawn_once():
     stages = [layout.stage for layout in drawn]
     assert stages[0] == FIRST
     assert len(set(stages)) == len(stages)
+
+
+def test_more_edges_than_any_grid_has_room_for_are_refused():
+    turn = np.linspace(0, 2 * np.pi, MOST_ARCS + 2)[:-1]
+    circle = list(zip((30 * np.cos(turn)).tolist(), (30 * np.sin(turn)).tolist()))
+    pattern = Pattern((polygon("round", circle, (0.0, 100.0, 20.0)),))
+    with pytest.raises(EncodeError, match="'round'"):
+        first_layout(pattern)
 
 
 @given(st.integers(0, 999), st.integers(1, 12))

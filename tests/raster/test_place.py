@@ -188,7 +188,7 @@ def test_a_cut_through_a_hole_is_refused():
     hole = loop_from_curves(list(rectangle("", 4, 4, (0, 0, 0)).curves))
     pattern = gored_tube()
     panels = [replace(p, holes=(hole,)) if p.name == "gore" else p for p in pattern.panels]
-    with pytest.raises(EncodeError, match="'gore'.*hole"):
+    with pytest.raises(EncodeError, match=r"'gore'.*hole"):
         place(Pattern(tuple(panels), pattern.stitches))
 
 
@@ -196,7 +196,7 @@ def test_right_side_to_wrong_side_needs_a_second_cloth_layer():
     pattern = tube()
     collar = rectangle("collar", 50, 8, (0, 106, 20))
     sewn = stitch("front", TOP, "collar", BOTTOM, same_direction=True)
-    with pytest.raises(EncodeError, match="'collar'.*second cloth layer"):
+    with pytest.raises(EncodeError, match=r"'collar'.*second cloth layer"):
         place(Pattern((*pattern.panels, collar), (*pattern.stitches, sewn)))
 
 

@@ -2,7 +2,8 @@
 
 Grid lines pass through landmarks of the body and are spread evenly between them, so a cell means
 a place on the body, more cells lie where seams are, and nothing moves when a hood or a sleeve is
-added. The body stands in a T-pose, feet on the floor.
+added. The body stands in a T-pose, feet on the floor. The landmarks lie where the seams of real
+patterns gather, so that seams fall on grid lines and not between them.
 """
 
 from dataclasses import dataclass
@@ -14,12 +15,10 @@ HEIGHTS = (
     # (height above the floor [cm], grid line at N = 16)
     (-20.0, 0.0),
     (10.0, 1.0),  # ankle
-    (48.0, 4.0),  # knee
     (78.0, 6.0),  # crotch
-    (102.0, 8.0),  # waist
-    (126.0, 10.0),  # armpit
-    (141.0, 12.0),  # shoulder
-    (176.0, 15.0),  # top of a hood
+    (99.0, 8.0),  # waist
+    (138.0, 12.0),  # shoulder
+    (174.0, 15.0),  # top of a hood
     (190.0, 16.0),
 )
 """Landmark heights of the mean adult body and the grid lines that pass through them."""
@@ -27,8 +26,8 @@ HEIGHTS = (
 WIDTHS = (
     # (distance from the body's axis [cm], columns from the centre at N = 16)
     (0.0, 0.0),
-    (7.0, 1.0),  # neck
-    (20.0, 3.0),  # shoulder
+    (8.0, 1.0),  # side of the neck
+    (24.0, 3.0),  # armpit
     (74.0, 7.0),  # wrist
     (120.0, 8.0),
 )

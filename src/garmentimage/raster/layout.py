@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from garmentimage.errors import EncodeError
 from garmentimage.geometry.polygons import signed_area
 from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.gaps import clearance_rows, facing_rows
@@ -28,6 +29,8 @@ FIRST = "rigid"
 """The step that nearly every garment is clean at."""
 WIDE_GAPS = (("tangent", 9.0), ("chord", 9.0), ("tangent", 15.0))
 
+MOST_ARCS = 400
+"""Edges and seams of a garment; real ones have up to 130."""
 FOLD_TOL = 4.0
 """Loops of a panel that crosses itself may have this area [cm²]: no more than routing mends."""
 OVERLAP_TOL = 12.0
@@ -71,7 +74,17 @@ def layouts(complex: SeamComplex) -> Iterator[Layout]:
     First those without fold or overlap, in the order of the cascade: rigid; with gaps judged by
     chords; with wider gaps; as rigid as possible; with split halves, then with the panels at
     fault, as membranes. Then the others, those with the fewest problems first.
+
+    Raises:
+        EncodeError: more edges than any grid has room for.
     """
+    if len(complex.arcs) > MOST_ARCS:
+        panel = max(complex.placed.panels, key=lambda p: (len(p.curves), p.source))
+        raise EncodeError(
+            f"the pattern has {len(complex.arcs)} edges and seams, {len(panel.curves)} of them "
+            f"round panel {panel.source[:80]!r}; an image has room for {MOST_ARCS}: join edges "
+            "that go on smoothly, or leave loose panels out"
+        )
     desk = _Desk(complex)
     faulty = []
     at_fault: set[int] = set()

@@ -331,8 +331,7 @@ def _check_flat(panels: tuple[PlacedPanel, ...], seam: PlacedSeam) -> None:
     if same_face == seam.crossed:
         return
     raise EncodeError(
-        f"panels {a.source!r} and {b.source!r}: edge {seam.a[1]} of the first and edge "
-        f"{seam.b[1]} of the second are sewn right side to wrong side, as for a collar or "
-        "lapel that needs a second cloth layer; leave that panel out, or turn it over if it "
-        "is inside out"
+        f"panels {a.source[:80]!r} and {b.source[:80]!r} are sewn right side to wrong side, as for "
+        "a collar or lapel that needs a second cloth layer; leave that panel out, or turn it over "
+        "if it is inside out"
     )

@@ -94,7 +94,7 @@ def trunk_share(placed: Placed) -> Float[np.ndarray, " p"]:
     or a hood is added.
     """
     x, y = np.array([centroid(p.outline) for p in placed.panels]).T
-    sleeve = ramp(np.abs(x), 18.0, 30.0) * ramp(y, 70.0, 90.0)
+    sleeve = ramp(np.abs(x), 18.0, 26.0) * ramp(y, 70.0, 90.0)
     hood = ramp(y, 146.0, 156.0)
     return 1.0 - np.maximum(sleeve, hood)
 
