@@ -141,6 +141,7 @@ def test_canonical_numbering_forgets_order_and_direction():
         on_axis=drawing.on_axis[order],
         curves=tuple(drawing.curves[i][::-1] for i in order),
         least=drawing.least[order],
+        need=drawing.need[order],
         wish=drawing.wish[order],
     )
     a, b = lattice_paths(drawing, FINE, 5.0), lattice_paths(shuffled, FINE, 5.0)

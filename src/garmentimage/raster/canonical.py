@@ -75,6 +75,7 @@ def canonical(drawing: Drawing) -> Canonical:
         on_axis=drawing.on_axis[order],
         curves=tuple(curves[i] for i in order),
         least=drawing.least[order],
+        need=drawing.need[order],
         wish=drawing.wish[order],
         links=(),
     )

@@ -176,12 +176,12 @@ def _chords(
     u = np.where(up, variable[starts], variable[ends - 1])
     v = np.where(up, variable[ends - 1], variable[starts])
     real = (u != v) & (mine > 0)
-    hard = real & (mine >= others)
     part = mine / np.maximum(mine + others, 1)
+    hard = real & (mine >= others)
     soft = real & (drawing.wish > 1.0) & (part > 0.25)
     rows = np.concatenate(
         [
-            np.stack([u, v, np.minimum(drawing.least, mine)], axis=1)[hard],
+            np.stack([u, v, np.minimum(np.ceil(drawing.least * part), mine)], axis=1)[hard],
             np.stack([u, v, np.minimum(drawing.wish * part, mine)], axis=1)[soft],
         ]
     ).astype(float)

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from garmentimage.errors import EncodeError
-from garmentimage.geometry.polygons import polyline_length
+from garmentimage.geometry.polygons import polyline_length, resample, signed_area
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
 from garmentimage.raster.layout import Layout
@@ -23,8 +23,12 @@ CHORD_SHARE = 0.02
 """... or within this share of its length."""
 MOST_CHORDS = 4.0
 """No arc asks for more grid edges than this."""
-BENT = 2.2
-"""Arcs that wish for more grid edges than this are strongly bent."""
+LENGTH_LOSS = (0.014, 0.35)
+"""What a seam may lose of its length: a share, or so much [cm], whichever is more."""
+AREA_LOSS = 0.03
+"""What a panel may gain or lose of its area along one edge, as a share."""
+MOST_NEEDED = 6
+"""No arc insists on more grid edges than this."""
 SHORT_ARC = 4.0
 """Arcs shorter than this [cm] ask for one grid edge."""
 LATTICE_DEGREE = 4
@@ -52,6 +56,8 @@ class Drawing:
     """Target of each arc, from tail to head, in lattice coordinates."""
     least: Int[np.ndarray, " arc"]
     """Fewest grid edges that the arc may have."""
+    need: Int[np.ndarray, " arc"]
+    """Grid edges below which the arc's length or its panel's area would be lost."""
     wish: Float[np.ndarray, " arc"]
     """Grid edges with which the arc's shape would survive."""
     grid: int
@@ -91,15 +97,15 @@ def drawing_of(layout: Layout, frame: BodyFrame) -> Drawing:
         on_axis=np.zeros(len(arcs), bool),
         curves=curves,
         least=_least(tail, head, layers),
+        need=np.array([_need(layout, i) for i in range(len(arcs))]),
         wish=np.array([_wish(layout, i) for i in range(len(arcs))]),
         grid=frame.grid,
     )
 
 
-def with_bends(drawing: Drawing) -> Drawing:
-    """Strongly bent arcs insist on two grid edges: with one, their panel would lose its shape."""
-    bent = drawing.wish >= BENT
-    return replace(drawing, least=np.where(bent, np.maximum(drawing.least, 2), drawing.least))
+def with_bends(drawing: Drawing, most: int) -> Drawing:
+    """Bent arcs insist on the grid edges that they need, up to `most`."""
+    return replace(drawing, least=np.maximum(drawing.least, np.minimum(drawing.need, most)))
 
 
 def with_links(drawing: Drawing) -> Drawing:
@@ -166,6 +172,7 @@ def _with_link(drawing: Drawing, layer: int, node: int) -> Drawing:
         on_axis=np.append(drawing.on_axis, False),
         curves=(*curves, np.stack([target, middle])),
         least=np.append(drawing.least, 1),
+        need=np.append(drawing.need, 1),
         wish=np.append(drawing.wish, 1.0),
         links=(
             *drawing.links,
@@ -212,3 +219,30 @@ def _wish(layout: Layout, arc_index: int) -> float:
         bulge = float(np.abs(away).max()) / size
         wish = max(wish, np.sqrt(bulge / max(CHORD_TOLERANCE, CHORD_SHARE * length)))
     return float(min(wish, MOST_CHORDS))
+
+
+def _need(layout: Layout, arc_index: int) -> int:
+    """Fewest chords that keep the length of each side and the area of its panel."""
+    need = 1
+    for panel, edge, _ in layout.complex.arcs[arc_index].sides:
+        placed = layout.complex.placed.panels[panel]
+        curve = placed.curves[edge]
+        if len(curve) < 3:
+            continue
+        length = polyline_length(curve)
+        room = abs(signed_area(placed.outline)) * AREA_LOSS
+        while need < MOST_NEEDED:
+            lost, sliver = chord_loss(curve, need)
+            if lost <= max(LENGTH_LOSS[0] * length, LENGTH_LOSS[1]) and sliver <= room:
+                break
+            need += 1
+    return need
+
+
+def chord_loss(curve: np.ndarray, count: int) -> tuple[float, float]:
+    """What `count` even chords lose of a curve: length [cm], and area on its side [cm²]."""
+    if len(curve) < 3:
+        return 0.0, 0.0
+    chords = resample(curve, np.linspace(0, 1, count + 1))
+    lost = polyline_length(curve) - polyline_length(chords)
+    return lost, abs(signed_area(np.concatenate([curve, chords[-2:0:-1]])))

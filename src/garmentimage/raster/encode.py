@@ -11,14 +11,23 @@ from collections.abc import Iterator
 import numpy as np
 
 from garmentimage.errors import EncodeError
-from garmentimage.geometry.polygons import centroid, resample, signed_area
+from garmentimage.geometry.polygons import centroid, polyline_length, resample, signed_area
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.canonical import canonical
 from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.compact import compact
 from garmentimage.raster.complex import SeamComplex, seam_complex
 from garmentimage.raster.deform import deform_quad_mesh
-from garmentimage.raster.drawing import Drawing, Path, drawing_of, joined_links, with_bends, with_links
+from garmentimage.raster.drawing import (
+    MOST_NEEDED,
+    Drawing,
+    Path,
+    chord_loss,
+    drawing_of,
+    joined_links,
+    with_bends,
+    with_links,
+)
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
 from garmentimage.raster.layout import Layout, layouts
@@ -33,6 +42,11 @@ FINE_CELLS = 128
 """Fine lattice steps across the grid in the first attempt."""
 ATTEMPTS = ((1.0, 5.0), (1.5, 9.0), (2.0, 16.0))
 """(factor on the fine lattice, corridor in fine steps), tried in turn."""
+LOST_LENGTH = (0.03, 0.75)
+"""A seam's chords may not lose more of its length: a share, or so much [cm], whichever is more.
+The smooth curves that decoding fits bring part of it back."""
+LOST_AREA = 0.08
+"""A panel may not gain or lose more of its area along one edge, as a share."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
 LARGER_GRIDS = (32, 64)
@@ -92,8 +106,8 @@ class _Kept:
 
 def _encode(pattern: Pattern, layouts_: _Kept, frame: BodyFrame) -> GarmentImage:
     first: EncodeError | None = None
-    for layout in layouts_:
-        for paths in _drawings(layout, frame):
+    for number, layout in enumerate(layouts_):
+        for paths in _drawings(layout, frame, ATTEMPTS if number == 0 else ATTEMPTS[:2]):
             if isinstance(paths, EncodeError):
                 first = first or paths
                 continue
@@ -104,13 +118,15 @@ def _encode(pattern: Pattern, layouts_: _Kept, frame: BodyFrame) -> GarmentImage
     raise first or EncodeError("the pattern has no layout")
 
 
-def _drawings(layout: Layout, frame: BodyFrame) -> Iterator[list[Path] | EncodeError]:
+def _drawings(
+    layout: Layout, frame: BodyFrame, attempts: tuple[tuple[float, float], ...] = ATTEMPTS
+) -> Iterator[list[Path] | EncodeError]:
     """Lattice paths of the arcs, best attempt first; failures as they come."""
     whole = drawing_of(layout, frame)
     mirror = find_mirror(layout) if frame.is_symmetric else None
     half = halve(whole, mirror) if mirror is not None else None
     for part in (half, None) if half is not None else (None,):
-        for factor, radius in ATTEMPTS:
+        for factor, radius in attempts:
             fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
             try:
                 drawing = whole if part is None else part.drawing
@@ -129,7 +145,8 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
     seen = canonical(drawing)
     plain = with_links(seen.drawing)
     drawn = route(plain, fine, radius)
-    for linked in (with_bends(plain), plain):
+    for most in range(MOST_NEEDED, 0, -1):
+        linked = with_bends(plain, most)
         state = _compacted(linked, drawn)
         if state is not None:
             paths = polish(linked, state, 1, drawing.grid - 1)
@@ -157,6 +174,7 @@ def _image(
 ) -> GarmentImage:
     panels = complex_.placed.panels
     edge_type = _edge_types(complex_, paths, frame.grid)
+    _check_shapes(complex_, paths)
     owner = _fill_panels(complex_, paths, frame.grid)
     _check_clusters(complex_, owner, edge_type)
     deformation = np.zeros((2, 4, 2, frame.grid, frame.grid), np.float32)
@@ -216,6 +234,27 @@ def _fill_panels(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndar
             )
         owner[panel.layer][mask] = i
     return owner
+
+
+def _check_shapes(complex_: SeamComplex, paths: list[Path]) -> None:
+    """Refuse an image that would bring a seam back too short, or a panel in another shape.
+
+    Raises:
+        EncodeError: names the panel whose edge has too few grid edges for its bend.
+    """
+    for arc, path in zip(complex_.arcs, paths):
+        for index, edge, _ in arc.sides:
+            panel = complex_.placed.panels[index]
+            lost, sliver = chord_loss(panel.curves[edge], len(path) - 1)
+            length = polyline_length(panel.curves[edge])
+            bounds = LOST_LENGTH[0] * length, LOST_LENGTH[1]
+            if (arc.kind != EdgeType.NON_STITCH and lost > max(bounds)) or (
+                sliver > LOST_AREA * abs(signed_area(panel.outline))
+            ):
+                raise EncodeError(
+                    f"panel {panel.source!r} has a bent edge of {length:.1f} cm for which the "
+                    f"grid has only {len(path) - 1} grid edges left"
+                )
 
 
 def _check_clusters(complex_: SeamComplex, owner: np.ndarray, edge_type: np.ndarray) -> None:

@@ -19,11 +19,13 @@ STEP_COST = 0.05
 """Energy of one grid edge: between equals the shorter path wins."""
 SHAPE_PULL = 0.8
 """Energy of missing grid edges, per missing edge squared."""
+TOO_SHORT = 20.0
+"""Energy of each grid edge that is missing to what the arc insists on."""
 REACH = 3.0
 """How far a path may leave its target [cells], unless it already has."""
 SWEEPS = 12
 GAIN = 1e-6
-MOST_STATES = 6
+MOST_STATES = 8
 """Path lengths that are told apart: 0 .. MOST_STATES - 1 grid edges or more."""
 
 
@@ -81,8 +83,8 @@ def _direction(a, b, width):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _energy(table, n, field, wish):  # type: ignore[no-untyped-def]
-    total = STEP_COST * (n - 1)
+def _energy(table, n, field, wish, least):  # type: ignore[no-untyped-def]
+    total = STEP_COST * (n - 1) + TOO_SHORT * max(least - (n - 1), 0)
     for k in range(1, n - 1):
         total += field[table[k]]
     missing = wish - (n - 1)
@@ -127,10 +129,9 @@ def _draw(  # type: ignore[no-untyped-def]
             other = _step(vertex, direction, width)
             longer = min(length + 1, cap)
             if other == goal:
-                if longer < least and longer < cap:
-                    continue
                 missing = wish - longer
                 total = key + STEP_COST + (SHAPE_PULL * missing * missing if missing > 0 else 0.0)
+                total += TOO_SHORT * max(least - longer, 0)
                 if total < best - GAIN:
                     best = total
                     best_state = state
@@ -254,7 +255,7 @@ def _polish(  # type: ignore[no-untyped-def]
                     busy[layer, where[n]] = True
     energy = np.empty(arcs)
     for i in range(arcs):
-        energy[i] = _energy(table[i], lens[i], fields[i], wish[i])
+        energy[i] = _energy(table[i], lens[i], fields[i], wish[i], least[i])
     work = (
         np.empty(size * MOST_STATES),
         np.empty(size * MOST_STATES, np.int64),
@@ -294,7 +295,7 @@ def _polish(  # type: ignore[no-untyped-def]
                     for k in range(count):
                         table[i, k] = out[k]
                     lens[i] = count
-                    energy[i] = _energy(table[i], lens[i], fields[i], wish[i])
+                    energy[i] = _energy(table[i], lens[i], fields[i], wish[i], least[i])
                     moved = True
             _mark(table[i], lens[i], mask[i], busy, True)
         for n in range(nodes):
@@ -358,7 +359,7 @@ def _polish(  # type: ignore[no-untyped-def]
                         lens[i] = count
                         _mark(table[i], lens[i], mask[i], busy, True)
                         done = q + 1
-                        spent += _energy(table[i], lens[i], fields[i], wish[i])
+                        spent += _energy(table[i], lens[i], fields[i], wish[i], least[i])
                         if spent >= total - GAIN:
                             good = False
                             break
@@ -377,7 +378,7 @@ def _polish(  # type: ignore[no-untyped-def]
                 if good:
                     for q in range(star_n[n]):
                         i = star[n, q]
-                        energy[i] = _energy(table[i], lens[i], fields[i], wish[i])
+                        energy[i] = _energy(table[i], lens[i], fields[i], wish[i], least[i])
                     moved = True
                     continue
                 # Put everything back.

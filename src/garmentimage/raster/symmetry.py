@@ -101,7 +101,7 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
     on_axis = node_image == np.arange(len(node_image))
     targets[on_axis, 0] = axis
     tail, head, layers, free, arc_axis = [], [], [], [], []
-    curves, least, wish, kept, crossing = [], [], [], [], []
+    curves, least, need, wish, kept, crossing = [], [], [], [], [], []
     node_targets, node_layers, node_axis = list(targets), list(drawing.node_layers), list(on_axis)
     for i, (j, back) in enumerate(zip(mirror.partner, mirror.reverse)):
         curve = _even(drawing.curves[i]) - [middle, 0]
@@ -131,6 +131,8 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
         curves.append(curve)
         share = 0.5 if side else 1.0
         least.append(1 if side else max(int(drawing.least[i]), int(drawing.least[j])))
+        needed = max(int(drawing.need[i]), int(drawing.need[j]))
+        need.append((needed + 1) // 2 if side else needed)
         wish.append(max(share * max(drawing.wish[i], drawing.wish[j]), 1.0))
         kept.append(i)
         crossing.append(side)
@@ -146,6 +148,7 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
         on_axis=np.array(arc_axis),
         curves=tuple(curves),
         least=np.array(least),
+        need=np.array(need),
         wish=np.array(wish),
         axis=axis,
     )
@@ -236,6 +239,7 @@ def _with_axis_link(half: Drawing, node: int, arc: int, at_head: bool) -> Drawin
         on_axis=np.append(half.on_axis, True),
         curves=(*curves, np.stack([half.node_target[node], place])),
         least=np.append(half.least, 1),
+        need=np.append(half.need, 1),
         wish=np.append(half.wish, 1.0),
         links=(*half.links, (arc, link, at_head)),
     )
