@@ -182,9 +182,7 @@ def main() -> int:
             changes = []
             for seed in range(DRAWS):
                 try:
-                    again = encode(
-                        moved(pattern, distance, np.random.default_rng(seed)), args.grid
-                    )
+                    again = encode(moved(pattern, distance, np.random.default_rng(seed)), args.grid)
                 except GarmentImageError:
                     row["lost"] = int(row.get("lost", 0)) + 1  # type: ignore[call-overload]
                     continue

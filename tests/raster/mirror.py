@@ -68,7 +68,7 @@ def _curvature(curvature):
 
 
 def mirrored_types(image):
-    """(flags, bottom types, left types) of the mirrored image; the left line of column 0 is lost."""
+    """(flags, bottom types, left types) of the mirrored image; column 0 loses its left line."""
     inside = image.inside[..., ::-1]
     bottom = image.edge_type[:, 0, :, ::-1]
     left = np.zeros_like(image.edge_type[:, 1])

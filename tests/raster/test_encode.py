@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from garmentimage import EncodeError, decode, encode
+from garmentimage.geometry.curves import Line
 from garmentimage.metrics.roundtrip import judge
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch, loop_from_curves
-from garmentimage.geometry.curves import Line
 from garmentimage.raster.cells import label_panels
 from garmentimage.raster.frame import BodyFrame
 from tests.garments import garments
@@ -66,7 +66,9 @@ def test_under_a_fixed_frame_a_garment_moved_by_a_cell_gives_the_moved_image(gar
     cell = 10.0
     frame = BodyFrame.uniform(24, cell, left=-12 * cell, bottom=-3 * cell)
     moved = tuple(
-        replace(p, translation=(p.translation[0], p.translation[1] + cells * cell, p.translation[2]))
+        replace(
+            p, translation=(p.translation[0], p.translation[1] + cells * cell, p.translation[2])
+        )
         for p in garment.panels
     )
     still = encode(garment, 24, frame=frame)

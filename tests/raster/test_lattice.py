@@ -130,7 +130,9 @@ def test_a_garment_off_the_axis_is_not_called_symmetric():
 
 
 def test_canonical_numbering_forgets_order_and_direction():
-    drawing = drawing_of(first_layout(Pattern((_rectangle("p", 30.0, 40.0),))), BodyFrame.standard(16))
+    drawing = drawing_of(
+        first_layout(Pattern((_rectangle("p", 30.0, 40.0),))), BodyFrame.standard(16)
+    )
     order = np.arange(drawing.arc_count)[::-1]
     shuffled = replace(
         drawing,

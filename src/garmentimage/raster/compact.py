@@ -51,15 +51,15 @@ def compact(
     flat = np.concatenate(paths)
     base = flat.min(axis=0)
     flat -= base
-    variable = _variables(
-        flat, lens, drawing.tail, drawing.head, len(drawing.node_target), along
-    )
+    variable = _variables(flat, lens, drawing.tail, drawing.head, len(drawing.node_target), along)
     _, variable = np.unique(variable, return_inverse=True)
     place = np.zeros(variable.max() + 1, np.int64)
     place[variable] = flat[:, along]
     inner = np.ones(len(flat), bool)
     inner[starts] = inner[ends - 1] = False
-    target, weight = _wishes(drawing, np.concatenate(wanted)[:, along], lens, variable, inner, along)
+    target, weight = _wishes(
+        drawing, np.concatenate(wanted)[:, along], lens, variable, inner, along
+    )
     floor = np.full(len(place), float(low if bounded else -BIG))
     roof = np.full(len(place), float(high if bounded else BIG))
     if drawing.axis is not None and along == 0:
@@ -141,7 +141,7 @@ def _wishes(
 def _order(
     flat: Path, lens: np.ndarray, layers: np.ndarray, variable: np.ndarray, along: int
 ) -> np.ndarray | None:
-    """Rows (u, v, s) for X_v - X_u >= s, the strongest of equals; None if paths touch themselves."""
+    """Rows (u, v, s) for X_v - X_u >= s, the strongest of equals; None if paths touch."""
     width, height = (flat.max(axis=0) + 1).tolist()
     pairs, sound = _neighbours(flat, lens, layers, variable, along, width, height)
     if not sound:
@@ -273,7 +273,7 @@ def _project(target, weight, cons, stiff, low, high, sweeps, tolerance):  # type
     force = np.zeros(m)
     floor_force = np.zeros(n)
     roof_force = np.zeros(n)
-    for sweep in range(sweeps):
+    for _ in range(sweeps):
         worst = 0.0
         for c in range(m):
             u, v = int(cons[c, 0]), int(cons[c, 1])

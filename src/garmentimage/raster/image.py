@@ -44,7 +44,7 @@ CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 8
 
 @dataclass(frozen=True)
 class PanelMark:
-    """What the channels cannot say of a panel: its name and its own frame. Labels and places only."""
+    """What the channels cannot say of a panel: its name and its own frame; no geometry."""
 
     name: str
     layer: int
@@ -80,7 +80,7 @@ class GarmentImage:
     name: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        layers, rows, cols = self.inside.shape
+        layers = len(self.inside)
         grid = self.frame.grid
         shapes = (self.inside.shape, self.edge_type.shape, self.deformation.shape)
         wanted = ((layers, grid, grid), (layers, 2, grid, grid), (layers, 4, 2, grid, grid))
@@ -160,7 +160,8 @@ class GarmentImage:
         deformation = np.where(inside[:, None, None], deformation, np.float32(0))
         if like is not None and (like.grid, like.layers) != (grid, layers):
             raise ImageError(
-                f"`like` has {like.layers} layers of {like.grid} cells, the array {layers} of {grid}"
+                f"`like` has {like.layers} layers of {like.grid} cells, "
+                f"the array {layers} of {grid}"
             )
         return cls(
             inside=inside,

@@ -269,11 +269,11 @@ def _polish(  # type: ignore[no-untyped-def]
     before = np.empty((2, 4), np.int64)
     after = np.empty((2, 4), np.int64)
     far_before = np.empty((star.shape[1], 2, 4), np.int64)
-    for sweep in range(SWEEPS):
+    for _ in range(SWEEPS):
         moved = False
         for i in range(arcs):
             _mark(table[i], lens[i], mask[i], busy, False)
-            count, value = _draw(
+            count, _ = _draw(
                 table[i, 0], table[i, lens[i] - 1], mask[i], arc_on_axis[i], fields[i], wish[i],
                 least[i], busy, width, low, high, axis, energy[i] - GAIN, work, out,
             )  # fmt: skip
@@ -347,7 +347,7 @@ def _polish(  # type: ignore[no-untyped-def]
                     for q in range(star_n[n]):
                         i = star[n, q]
                         a, b = where[tail[i]], where[head[i]]
-                        count, value = _draw(
+                        count, _ = _draw(
                             a, b, mask[i], arc_on_axis[i], fields[i], wish[i], least[i], busy,
                             width, low, high, axis, total - spent, work, out,
                         )  # fmt: skip

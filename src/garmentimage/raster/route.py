@@ -116,13 +116,13 @@ def snap_nodes(target, layers, on_axis, axis, order):  # type: ignore[no-untyped
     for i in order:
         cx, cy = int(np.floor(target[i, 0] + 0.5)), int(np.floor(target[i, 1] + 0.5))
         best, bx, by = 1e18, cx, cy
-        for reach in range(0, 7):
+        for reach in range(7):
             for dx in range(-reach, reach + 1):
                 for dy in range(-reach, reach + 1):
                     if max(abs(dx), abs(dy)) != reach:
                         continue
                     x, y = cx + dx, cy + dy
-                    if axis >= 0 and (on_axis[i] and x != axis or not on_axis[i] and x <= axis):
+                    if axis >= 0 and ((on_axis[i] and x != axis) or (not on_axis[i] and x <= axis)):
                         continue
                     cost = (x - target[i, 0]) ** 2 + (y - target[i, 1]) ** 2
                     for j in range(count):
@@ -212,9 +212,9 @@ def _shortest(  # type: ignore[no-untyped-def]
             if x < 0 or y < 0 or x >= width or y >= height or field[y, x] >= FAR:
                 continue
             other = y * width + x
-            if axis >= 0 and other != goal:
-                if on_axis and x != axis or not on_axis and x <= axis:
-                    continue
+            wrong_side = (x != axis) if on_axis else (x <= axis)
+            if axis >= 0 and other != goal and wrong_side:
+                continue
             extra = 0.0
             if vertex == start and leave >= 0 and step != leave:
                 extra += WRONG_TURN
@@ -247,8 +247,8 @@ def _shortest(  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _route_all(  # type: ignore[no-untyped-def]
-    order, tail, head, mask, on_axis, leaving, node_xy, node_layers, targets, starts, radius, width, height,
-    axis, rounds,
+    order, tail, head, mask, on_axis, leaving, node_xy, node_layers, targets, starts, radius,
+    width, height, axis, rounds,
 ):  # fmt: skip
     arcs, size, layers = len(tail), width * height, 2
     use = np.zeros((layers, size), np.int32)
@@ -278,7 +278,7 @@ def _route_all(  # type: ignore[no-untyped-def]
         distance_field(line, radius, fields[i])
     price = 8.0
     again = np.ones(arcs, np.bool_)
-    for turn in range(rounds):
+    for _ in range(rounds):
         for i in order:
             if not again[i]:
                 continue

@@ -68,16 +68,15 @@ def find_mirror(layout: Layout) -> Mirror | None:
     mirrored = curves * [-1, 1]
     ahead = np.abs(mirrored[:, None] - curves[None]).max(axis=(2, 3))
     back = np.abs(mirrored[:, None] - curves[None, :, ::-1]).max(axis=(2, 3))
-    kinds = np.array([(*arc.layers, arc.kind, arc.slit, len(arc.layers)) for arc in arcs], object)
-    marks = [tuple(k) for k in kinds] if kinds.ndim == 2 else [tuple(k) for k in kinds.tolist()]
-    unlike = np.array([[a != b for b in marks] for a in marks])
+    kinds = [(arc.layers, arc.kind, arc.slit) for arc in arcs]
+    unlike = np.array([[a != b for b in kinds] for a in kinds])
     gap = np.where(unlike, np.inf, np.minimum(ahead, back))
     partner = gap.argmin(axis=1)
     here = np.arange(len(arcs))
     if gap[here, partner].max() > SYMMETRY_TOLERANCE or (partner[partner] != here).any():
         return None
     reverse = back[here, partner] < ahead[here, partner]
-    ends = {}
+    ends: dict[int, int] = {}
     for i, arc in enumerate(arcs):
         other = arcs[partner[i]]
         images = (other.b, other.a) if reverse[i] else (other.a, other.b)
@@ -110,7 +109,7 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
         a, b = int(drawing.tail[i]), int(drawing.head[i])
         side = 0
         if i != j:
-            x, y = curve[:, 0].mean(), other[:, 0].mean()
+            x = curve[:, 0].mean()
             if x < axis or (x == axis and i > j):
                 continue
         elif back:
@@ -197,7 +196,7 @@ def _with_axis_links(half: Drawing) -> Drawing:
 def _leaving(half: Drawing, layer: int) -> list[tuple[int, int, bool]]:
     """(axis node, arc, at its head) for every arc of a layer that leaves the axis."""
     return [
-        (int(node), arc, at_head)
+        (int(node), int(arc), at_head)
         for arc in np.flatnonzero((half.layers >> layer & 1).astype(bool) & ~half.on_axis)
         for at_head, node in ((False, half.tail[arc]), (True, half.head[arc]))
         if half.node_on_axis[node]
@@ -207,9 +206,9 @@ def _leaving(half: Drawing, layer: int) -> list[tuple[int, int, bool]]:
 def _axis_taken(half: Drawing, node: int, layer: int, up: bool) -> bool:
     """Whether an arc of this layer already leaves the node along the axis, upwards or down."""
     for arc in np.flatnonzero((half.layers >> layer & 1).astype(bool) & half.on_axis):
-        for first, last, curve in (
-            (half.tail[arc], half.head[arc], half.curves[arc]),
-            (half.head[arc], half.tail[arc], half.curves[arc][::-1]),
+        for first, curve in (
+            (half.tail[arc], half.curves[arc]),
+            (half.head[arc], half.curves[arc][::-1]),
         ):
             if first == node and (curve[-1, 1] > curve[0, 1]) == up:
                 return True
