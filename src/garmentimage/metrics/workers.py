@@ -1,6 +1,7 @@
 """Work spread over processes, where one item may hang or crash without harm to the others."""
 
 import multiprocessing
+import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -13,6 +14,10 @@ Result = TypeVar("Result")
 
 START_ALLOWANCE_S = 120.0
 """Added to the time limit of a process's first item, which also pays for imports and compiling."""
+
+
+BLAS_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Set to 1 for the workers: every core has a process already, and the matrices are small."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,16 @@ def _hire(work: Callable) -> _Worker:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(work, theirs), daemon=True)
-    process.start()
+    before = {name: os.environ.get(name) for name in BLAS_THREADS}
+    os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))  # a fresh process reads it as it starts
+    try:
+        process.start()
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
     theirs.close()
     return _Worker(process, ours)
 
