@@ -16,7 +16,7 @@ NODE_WEIGHT = 4.0
 """Weight of a node's own wish against one cell of path."""
 SHAPE_WEIGHT = 6.0
 """Stiffness with which an arc asks for the grid edges that its curve needs."""
-SWEEPS = 4000
+SWEEPS = 400
 TOLERANCE = 1e-4
 BIG = 1 << 20
 

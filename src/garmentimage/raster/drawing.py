@@ -27,8 +27,8 @@ LENGTH_LOSS = (0.014, 0.35)
 """What a seam may lose of its length: a share, or so much [cm], whichever is more."""
 AREA_LOSS = 0.03
 """What a panel may gain or lose of its area along one edge, as a share."""
-MOST_NEEDED = 6
-"""No arc insists on more grid edges than this."""
+MOST_NEEDED = (6, 3, 2, 1)
+"""Grid edges that an arc may insist on, tried in turn until the grid has room."""
 SHORT_ARC = 4.0
 """Arcs shorter than this [cm] ask for one grid edge."""
 LATTICE_DEGREE = 4
@@ -231,7 +231,7 @@ def _need(layout: Layout, arc_index: int) -> int:
             continue
         length = polyline_length(curve)
         room = abs(signed_area(placed.outline)) * AREA_LOSS
-        while need < MOST_NEEDED:
+        while need < MOST_NEEDED[0]:
             lost, sliver = chord_loss(curve, need)
             if lost <= max(LENGTH_LOSS[0] * length, LENGTH_LOSS[1]) and sliver <= room:
                 break

@@ -145,7 +145,7 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
     seen = canonical(drawing)
     plain = with_links(seen.drawing)
     drawn = route(plain, fine, radius)
-    for most in range(MOST_NEEDED, 0, -1):
+    for most in MOST_NEEDED:
         linked = with_bends(plain, most)
         state = _compacted(linked, drawn)
         if state is not None:
