@@ -43,9 +43,8 @@ FINE_CELLS = 128
 ATTEMPTS = ((1.0, 5.0), (1.5, 9.0), (2.0, 16.0))
 """(factor on the fine lattice, corridor in fine steps), tried in turn."""
 LOST_LENGTH = (0.03, 0.75)
-"""A seam's chords may not lose more of its length: a share, or so much [cm], whichever is more.
-The smooth curves that decoding fits bring part of it back."""
-LOST_AREA = 0.08
+"""A seam's chords may not lose more of its length: a share, or so much [cm], whichever is more."""
+LOST_AREA = 0.06
 """A panel may not gain or lose more of its area along one edge, as a share."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
@@ -245,7 +244,9 @@ def _check_shapes(complex_: SeamComplex, paths: list[Path]) -> None:
     for arc, path in zip(complex_.arcs, paths):
         for index, edge, _ in arc.sides:
             panel = complex_.placed.panels[index]
-            lost, sliver = chord_loss(panel.curves[edge], len(path) - 1)
+            count = len(path) - 1
+            # Decoding fits smooth curves: with three chords or more, as good as twice the chords.
+            lost, sliver = chord_loss(panel.curves[edge], count if count < 3 else 2 * count)
             length = polyline_length(panel.curves[edge])
             bounds = LOST_LENGTH[0] * length, LOST_LENGTH[1]
             if (arc.kind != EdgeType.NON_STITCH and lost > max(bounds)) or (
@@ -253,7 +254,7 @@ def _check_shapes(complex_: SeamComplex, paths: list[Path]) -> None:
             ):
                 raise EncodeError(
                     f"panel {panel.source!r} has a bent edge of {length:.1f} cm for which the "
-                    f"grid has only {len(path) - 1} grid edges left"
+                    f"grid has only {count} grid edges left"
                 )
 
 
