@@ -8,23 +8,11 @@ a hash of the pattern files, so that the figures can be made again and compared.
 """
 
 import argparse
-import hashlib
 import json
-import subprocess
 import sys
-from datetime import UTC, datetime
 from pathlib import Path
 
-
-def data_hash(folders: list[Path]) -> str:
-    """SHA-256 over the names and contents of all pattern files, in order of name."""
-    digest = hashlib.sha256()
-    for folder in folders:
-        for file in sorted(folder.rglob("*.json")):
-            if not file.name.endswith("_manifest.json"):
-                digest.update(f"{file.parent.name}/{file.name}".encode())
-                digest.update(file.read_bytes())
-    return digest.hexdigest()
+from provenance import provenance
 
 
 def condensed(report: dict, folders: list[Path]) -> dict:
@@ -34,13 +22,8 @@ def condensed(report: dict, folders: list[Path]) -> dict:
         trip = row["with_marks"]
         if not trip["success"]:
             failures[row["file"]] = trip.get("message") or "; ".join(trip["reasons"])
-    commit = subprocess.run(
-        ["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
     return {
-        "commit": commit,
-        "date": datetime.now(UTC).date().isoformat(),
-        "data_sha256": data_hash(folders),
+        **provenance(folders),
         "grid": report["grid"],
         "versions": report["versions"],
         "summary": report["summary"],

@@ -19,6 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from provenance import provenance
 from tqdm import tqdm
 
 from garmentimage import GarmentImage, GarmentImageError, Pattern, encode
@@ -197,7 +198,9 @@ def main() -> int:
                 row["without sleeves or hood"] = type(error).__name__
     summary = summarise(rows)
     if args.report:
-        args.report.write_text(json.dumps({"summary": summary, "garments": rows}, indent=1))
+        args.report.write_text(
+            json.dumps({**provenance(args.paths), "grid": args.grid, "summary": summary}, indent=1)
+        )
     print(json.dumps(summary, indent=1))
     return 0
 

@@ -1,0 +1,29 @@
+"""Where a figure comes from: commit, date, and a hash of the pattern files."""
+
+import hashlib
+import subprocess
+from datetime import UTC, datetime
+from pathlib import Path
+
+
+def provenance(paths: list[Path]) -> dict[str, str]:
+    """Commit, date and data hash, to be kept with a result."""
+    commit = subprocess.run(
+        ["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=False
+    ).stdout.strip()
+    return {
+        "commit": commit,
+        "date": datetime.now(UTC).date().isoformat(),
+        "data_sha256": data_hash(paths),
+    }
+
+
+def data_hash(folders: list[Path]) -> str:
+    """SHA-256 over the names and contents of all pattern files, in order of name."""
+    digest = hashlib.sha256()
+    for folder in folders:
+        for file in sorted(folder.rglob("*.json")):
+            if not file.name.endswith("_manifest.json"):
+                digest.update(f"{file.parent.name}/{file.name}".encode())
+                digest.update(file.read_bytes())
+    return digest.hexdigest()
