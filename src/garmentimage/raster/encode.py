@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from garmentimage.errors import EncodeError
-from garmentimage.geometry.polygons import centroid, polyline_length, resample, signed_area
+from garmentimage.geometry.polygons import centroid, resample, signed_area
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.canonical import canonical
 from garmentimage.raster.cells import cell_mesh, label_panels
@@ -22,7 +22,6 @@ from garmentimage.raster.drawing import (
     MOST_NEEDED,
     Drawing,
     Path,
-    chord_loss,
     drawing_of,
     joined_links,
     with_bends,
@@ -34,6 +33,7 @@ from garmentimage.raster.layout import Layout, layouts
 from garmentimage.raster.place import PlacedPanel, place
 from garmentimage.raster.polish import polish
 from garmentimage.raster.route import FinePaths, route
+from garmentimage.raster.shapes import check_shapes
 from garmentimage.raster.symmetry import find_mirror, halve
 
 GRIDS = (8, 128)
@@ -42,10 +42,6 @@ FINE_CELLS = 128
 """Fine lattice steps across the grid in the first attempt."""
 ATTEMPTS = ((1.0, 5.0), (1.5, 9.0), (2.0, 16.0))
 """(factor on the fine lattice, corridor in fine steps), tried in turn."""
-LOST_LENGTH = (0.03, 0.75)
-"""A seam's chords may not lose more of its length: a share, or so much [cm], whichever is more."""
-LOST_AREA = 0.06
-"""A panel may not gain or lose more of its area along one edge, as a share."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
 LARGER_GRIDS = (32, 64)
@@ -173,7 +169,7 @@ def _image(
 ) -> GarmentImage:
     panels = complex_.placed.panels
     edge_type = _edge_types(complex_, paths, frame.grid)
-    _check_shapes(complex_, paths)
+    check_shapes(complex_, paths)
     owner = _fill_panels(complex_, paths, frame.grid)
     _check_clusters(complex_, owner, edge_type)
     deformation = np.zeros((2, 4, 2, frame.grid, frame.grid), np.float32)
@@ -233,29 +229,6 @@ def _fill_panels(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndar
             )
         owner[panel.layer][mask] = i
     return owner
-
-
-def _check_shapes(complex_: SeamComplex, paths: list[Path]) -> None:
-    """Refuse an image that would bring a seam back too short, or a panel in another shape.
-
-    Raises:
-        EncodeError: names the panel whose edge has too few grid edges for its bend.
-    """
-    for arc, path in zip(complex_.arcs, paths):
-        for index, edge, _ in arc.sides:
-            panel = complex_.placed.panels[index]
-            count = len(path) - 1
-            # Decoding fits smooth curves: with three chords or more, as good as twice the chords.
-            lost, sliver = chord_loss(panel.curves[edge], count if count < 3 else 2 * count)
-            length = polyline_length(panel.curves[edge])
-            bounds = LOST_LENGTH[0] * length, LOST_LENGTH[1]
-            if (arc.kind != EdgeType.NON_STITCH and lost > max(bounds)) or (
-                sliver > LOST_AREA * abs(signed_area(panel.outline))
-            ):
-                raise EncodeError(
-                    f"panel {panel.source!r} has a bent edge of {length:.1f} cm for which the "
-                    f"grid has only {count} grid edges left"
-                )
 
 
 def _check_clusters(complex_: SeamComplex, owner: np.ndarray, edge_type: np.ndarray) -> None:

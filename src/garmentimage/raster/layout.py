@@ -18,7 +18,8 @@ from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.gaps import clearance_rows, facing_rows
 from garmentimage.raster.place import FRONT
 from garmentimage.raster.relax import Constrained, Energy, Rows, energy, turned_load
-from garmentimage.raster.samples import REFINED, Samples, gather, sample, stiffness_of
+from garmentimage.raster.samples import REFINED, Resting, Samples, gather, sample, stiffness_of
+from garmentimage.raster.unroll import unrolled
 
 if TYPE_CHECKING:
     import shapely
@@ -65,6 +66,7 @@ class _Step:
     chord: bool = False
     gap: float = GAP
     turning: bool = False
+    firm: bool = False
     membranes: frozenset[int] = frozenset()
 
 
@@ -101,6 +103,7 @@ def layouts(complex: SeamComplex) -> Iterator[Layout]:
 def _cascade(complex: SeamComplex, at_fault: set[int]) -> Iterator[_Step]:
     """Steps in order; `at_fault` is read once the first step is drawn."""
     yield _Step(FIRST)
+    yield _Step("firm", firm=True)
     yield _Step("chord", chord=True)
     for kind, gap in WIDE_GAPS:
         yield _Step(f"{kind} gap {gap:g}", chord=kind == "chord", gap=gap)
@@ -121,8 +124,12 @@ class _Desk:
     complex: SeamComplex
 
     @cached_property
+    def resting(self) -> Resting:
+        return tuple(unrolled(panel) for panel in self.complex.placed.panels)
+
+    @cached_property
     def samples(self) -> Samples:
-        return sample(self.complex)
+        return sample(self.complex, self.resting)
 
     @cached_property
     def stiffness(self) -> Float[np.ndarray, " p"]:
@@ -130,17 +137,19 @@ class _Desk:
 
     @cached_property
     def _ground(self) -> tuple[np.ndarray, Energy]:
-        return self._prepared(frozenset())
+        return self._prepared(_Step(FIRST))
 
-    def _prepared(self, membranes: frozenset[int]) -> tuple[np.ndarray, Energy]:
+    def _prepared(self, step: _Step) -> tuple[np.ndarray, Energy]:
         """Rest positions with the panels brought together, and the energy."""
-        shifts = gather(self.complex.placed, self.stiffness, membranes)
+        shifts = gather(self.complex.placed, self.resting, self.stiffness, step.membranes)
         rest = self.samples.rest + np.repeat(shifts, np.diff(self.samples.start), axis=0)
-        return rest, energy(self.complex, self.samples, rest, self.stiffness, membranes)
+        return rest, energy(
+            self.complex, self.samples, rest, self.stiffness, step.membranes, step.firm
+        )
 
     def draw(self, step: _Step) -> tuple[Layout, set[int]]:
         """A layout, and the panels at fault in it."""
-        rest, base = self._prepared(step.membranes) if step.membranes else self._ground
+        rest, base = self._prepared(step) if step.membranes or step.firm else self._ground
         facing = facing_rows(self.complex, self.samples, step.gap, step.chord)
         soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
         turned = partial(

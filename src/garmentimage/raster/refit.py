@@ -1,9 +1,9 @@
 """Polylines from the grid refitted to the lines and smooth curves that a pattern is drawn with.
 
 A **run** is a stretch of boundary between two seam ends. It is cut at true corners, and each part
-becomes one line, quadratic or cubic curve where that follows the run within a tolerance; else it
-is cut again where it turns most. Both sides of a seam are cut at the same grid points, so every
-edge keeps one partner. Where no curve will do, the polyline's own chords stay.
+becomes one line, circular arc, quadratic or cubic curve where that follows the run within a
+tolerance; else it is cut again where it turns most. Both sides of a seam are cut at the same grid
+points, so every edge keeps one partner. Where no curve will do, the polyline's own chords stay.
 
 The encoder lays grid points at even shares of an edge's length. So a curve is fitted such that
 each grid point lies at its share of the *curve's* length, which gives the edge back almost exactly
@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 from numba import njit
 
-from garmentimage.geometry.curves import Bezier, Curve, Line
+from garmentimage.geometry.curves import Arc, Bezier, Curve, Line
 
 LINE_TOL_CM = 0.1
 LINE_TOL_SHARE = 0.003
@@ -43,6 +43,12 @@ EVEN_CHORDS = 0.9
 """Chords of one edge are about equally long. Where two differ more than this, and a seam end leaves
 nothing to compare their turn with, two edges meet."""
 
+ARC_CHORDS = 3
+ARC_SWEEP = np.deg2rad(60.0)
+"""From so many chords on, or with two that sweep more than this, an arc is told from a parabola."""
+WIDEST_ARC = np.deg2rad(354.0)
+"""Arcs that come nearer to closing are not fitted by one curve."""
+
 FULL_FIT_CHORDS = 4
 """From this many chords on, a curve through all of them is proof that there is no corner."""
 
@@ -55,6 +61,9 @@ CHORD_SHARE = 0.2
 SMOOTH_JOINT = np.deg2rad(12.0)
 """Where a run was cut only because one curve would not do, and two curved parts meet at less than
 this angle, they meet smoothly. At seam ends and beside lines patterns do have kinks this small."""
+
+REFUSED, LINE, QUADRATIC, CUBIC, ARC = -1, 0, 1, 2, 3
+"""What a fit may be; of Bézier curves the number of control points."""
 
 _FIT_ROUNDS = 5
 _TABLE = 48
@@ -90,17 +99,19 @@ def cut_run(sides: tuple[Float[np.ndarray, "n 2"], ...], *, chords: bool = False
 
 
 def fit_curve(points: Float[np.ndarray, "n 2"]) -> Curve | None:
-    """The line, quadratic or cubic curve through the ends of `points` that follows the rest.
+    """The line, circular arc or Bézier curve through the ends of `points` that follows the rest.
 
     Returns:
         None where no single curve stays within the tolerance.
     """
-    kind, controls = _fit(np.ascontiguousarray(points))
+    kind, controls, radius, swept = _fit(np.ascontiguousarray(points))
     start, end = _point(points[0]), _point(points[-1])
-    if kind < 0:
+    if kind == REFUSED:
         return None
-    if kind == 0:
+    if kind == LINE:
         return Line(start, end)
+    if kind == ARC:
+        return Arc(start, end, radius, large=abs(swept) > np.pi, right=swept > 0)
     return Bezier(start, tuple(_point(c) for c in controls[:kind]), end)
 
 
@@ -109,7 +120,7 @@ def _join_smoothly(before: Curve, after: Curve) -> tuple[Curve, Curve]:
 
     Only control points move; both keep their ends and, to second order, their lengths.
     """
-    if before.is_straight or after.is_straight:
+    if not (isinstance(before, Bezier) and isinstance(after, Bezier)):
         return before, after
     into, out = _direction(before.reversed()), _direction(after)
     into = -into[0], -into[1]
@@ -120,16 +131,14 @@ def _join_smoothly(before: Curve, after: Curve) -> tuple[Curve, Curve]:
     return turned, _turn_start(after, -angle / 2)
 
 
-def _direction(curve: Curve) -> tuple[float, float]:
-    """From the start of a curve towards its first control point, or its end."""
-    (x, y), (u, v) = curve.start, curve.controls[0] if isinstance(curve, Bezier) else curve.end
+def _direction(curve: Bezier) -> tuple[float, float]:
+    """From the start of a curve towards its first control point."""
+    (x, y), (u, v) = curve.start, curve.controls[0]
     return u - x, v - y
 
 
-def _turn_start(curve: Curve, angle: float) -> Curve:
+def _turn_start(curve: Bezier, angle: float) -> Bezier:
     """The curve with the direction at its start turned; one control point becomes two."""
-    if not isinstance(curve, Bezier):
-        return curve
     controls = curve.controls
     if len(controls) == 1:
         (cx, cy) = controls[0]
@@ -194,6 +203,7 @@ def _look(points):  # type: ignore[no-untyped-def]
         shares, length = _shares(points)
         if length > 0.0:
             error = _fit_bezier(points, shares, length, 1, np.zeros((2, 2)))
+            error = min(error, _fit_arc(points)[2])
             if error <= max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length):
                 corners[:] = False
     return turns, corners
@@ -201,24 +211,73 @@ def _look(points):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _fit(points):  # type: ignore[no-untyped-def]
-    """Number of control points (-1: no curve will do) and the control points."""
+    """Kind of the curve, the control points of a Bézier curve, radius and sweep of an arc."""
     controls = np.zeros((2, 2))
     shares, length = _shares(points)
+    near = max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length)
     chord = np.hypot(points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1])
-    if chord <= CHORD_SHARE * length:
-        return -1, controls
-    if _line_error(points) <= max(LINE_TOL_CM, LINE_TOL_SHARE * length):
-        return 0, controls
-    error = _fit_bezier(points, shares, length, 1, controls)
-    if error <= max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length):
-        return 1, controls
+    if chord > 0 and _line_error(points) <= max(LINE_TOL_CM, LINE_TOL_SHARE * length):
+        return LINE, controls, 0.0, 0.0
+    radius, swept, round_error = _fit_arc(points)
+    returns = chord <= CHORD_SHARE * length
+    error = np.inf if returns else _fit_bezier(points, shares, length, QUADRATIC, controls)
+    if round_error <= near and round_error <= error:
+        return ARC, controls, radius, swept
+    if returns:
+        return REFUSED, controls, 0.0, 0.0
+    if error <= near:
+        return QUADRATIC, controls, 0.0, 0.0
     tolerance = max(CURVE_TOL_CM, CURVE_TOL_SHARE * length)
     cubic = np.zeros((2, 2))
-    if len(points) > 3 and _fit_bezier(points, shares, length, 2, cubic) <= tolerance:
-        return 2, cubic
+    if len(points) > 3 and _fit_bezier(points, shares, length, CUBIC, cubic) <= tolerance:
+        return CUBIC, cubic, 0.0, 0.0
     if error <= tolerance:
-        return 1, controls
-    return -1, controls
+        return QUADRATIC, controls, 0.0, 0.0
+    return REFUSED, controls, 0.0, 0.0
+
+
+@njit(cache=True)
+def _fit_arc(points):  # type: ignore[no-untyped-def]
+    """Radius, sweep (counter-clockwise positive) and largest miss [cm] of a circular arc.
+
+    Kåsa's circle: least squares of x² + y² + a x + b y + c. Points lie at even shares of an arc.
+    """
+    count = len(points)
+    mx, my = points[:, 0].mean(), points[:, 1].mean()
+    sxx, sxy, syy, sxr, syr = 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(count):
+        x, y = points[j, 0] - mx, points[j, 1] - my
+        r = x * x + y * y
+        sxx += x * x
+        sxy += x * y
+        syy += y * y
+        sxr += x * r
+        syr += y * r
+    determinant = sxx * syy - sxy * sxy
+    if determinant <= 1e-9 * sxx * syy:
+        return 0.0, 0.0, np.inf
+    cx = mx + (sxr * syy - syr * sxy) / (2 * determinant)
+    cy = my + (syr * sxx - sxr * sxy) / (2 * determinant)
+    angles = np.zeros(count)
+    for j in range(1, count):
+        ax, ay = points[j - 1, 0] - cx, points[j - 1, 1] - cy
+        bx, by = points[j, 0] - cx, points[j, 1] - cy
+        angles[j] = angles[j - 1] + np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
+    swept = angles[-1]
+    told = count > ARC_CHORDS or abs(swept) > ARC_SWEEP
+    if not told or abs(swept) > WIDEST_ARC:
+        return 0.0, 0.0, np.inf
+    radius = 0.0
+    for j in range(count):
+        radius += np.hypot(points[j, 0] - cx, points[j, 1] - cy) / count
+    chord = np.hypot(points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1])
+    radius = max(radius, chord / 2)
+    error = 0.0
+    for j in range(count):
+        away = np.hypot(points[j, 0] - cx, points[j, 1] - cy) - radius
+        along = (angles[j] - swept * j / (count - 1)) * radius
+        error = max(error, np.hypot(away, along))
+    return radius, swept, error
 
 
 @njit(cache=True)

@@ -22,7 +22,7 @@ from numba import njit
 
 from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.samples import Samples
-from garmentimage.raster.turned import turned_seams
+from garmentimage.raster.turned import short_arcs, turned_seams
 
 SPREAD = 0.2
 NEAR = 1.0
@@ -88,8 +88,12 @@ def energy(
     rest: Float[np.ndarray, "r 2"],
     stiffness: Float[np.ndarray, " p"],
     membranes: Collection[int] = (),
+    firm: bool = False,
 ) -> Energy:
-    """The energy of the file's head, with the seams that must be turned (see `turned`)."""
+    """The energy of the file's head, with the seams that must be turned (see `turned`).
+
+    With `firm`, short arcs keep their direction: among long ones they could be turned over.
+    """
     from scipy.linalg import cho_factor
 
     count = samples.count
@@ -101,7 +105,8 @@ def energy(
         matrix, load, anchor_load, samples.ids, samples.following, samples.start,
         rest, weight, anchor, soft,
     )  # fmt: skip
-    for arc, vector, strength in turned_seams(complex, samples, rest):
+    wishes = turned_seams(complex, samples, rest) + (short_arcs(complex) if firm else [])
+    for arc, vector, strength in wishes:
         chain = samples.arcs[arc]
         steps = len(chain) - 1
         for u, v in pairwise(chain):

@@ -52,7 +52,11 @@ class Samples:
         return slice(self.start[index], self.start[index + 1])
 
 
-def sample(complex: SeamComplex) -> Samples:
+Resting = tuple[tuple[np.ndarray, ...], ...]
+"""Per panel its curves at rest in the drawing (see `unroll`)."""
+
+
+def sample(complex: SeamComplex, resting: Resting) -> Samples:
     """Samples of all arcs; panels at rest in their own layout pose."""
     nodes, count = complex.node_count, len(complex.arcs)
     inner = nodes + np.arange(count * INNER).reshape(count, INNER)
@@ -70,7 +74,7 @@ def sample(complex: SeamComplex) -> Samples:
             for k in loop:
                 arc, back = complex.owner[i, k]
                 ids.append((arcs[arc, ::-1] if back else arcs[arc])[:-1])
-                edges.append(resample(panel.curves[k], shares))
+                edges.append(resample(resting[i][k], shares))
                 rest.append(edges[-1][:-1:REFINED])
             size = len(loop) * (INNER + 1)
             following.append(total + (np.arange(size) + 1) % size)
@@ -110,7 +114,10 @@ def ramp(x: np.ndarray | float, low: float, high: float) -> np.ndarray:
 
 
 def gather(
-    placed: Placed, stiffness: Float[np.ndarray, " p"], free: Collection[int] = ()
+    placed: Placed,
+    resting: Resting,
+    stiffness: Float[np.ndarray, " p"],
+    free: Collection[int] = (),
 ) -> Float[np.ndarray, "p 2"]:
     """Shifts that bring the panels together at their seams, near their places on the body.
 
@@ -123,8 +130,8 @@ def gather(
         (i, k), (j, m) = seam.a, seam.b
         if i == j or i in free or j in free:
             continue
-        mine = placed.panels[i].curves[k][[0, -1]]
-        theirs = placed.panels[j].curves[m][[-1, 0] if seam.crossed else [0, -1]]
+        mine = resting[i][k][[0, -1]]
+        theirs = resting[j][m][[-1, 0] if seam.crossed else [0, -1]]
         weight = min(stiffness[i], stiffness[j])
         matrix[[i, j], [i, j]] += 2 * weight
         matrix[[i, j], [j, i]] -= 2 * weight

@@ -17,6 +17,9 @@ SHORT_SPAN = 2.5
 LONG_SPAN = 0.5
 """Share of its length that a seam between two panels of one layer is given."""
 SHORT_STRENGTH, LONG_STRENGTH = 30.0, 8.0
+FIRM_FULLY, FIRM_UP_TO = 4.0, 8.0
+"""Lengths [cm] up to which, and from which on no more, an arc can be held in its direction."""
+FIRM_STRENGTH = 60.0
 NEIGHBOUR_REACH = 4 / 15
 """How far along its neighbours, as a share of them, the silhouette is looked at."""
 
@@ -45,6 +48,18 @@ def turned_seams(
         vector = _along_silhouette(complex, samples, middle, i)
         if strength > 0 and vector is not None:
             wishes.append((i, vector, SHORT_STRENGTH * strength))
+    return wishes
+
+
+def short_arcs(complex: SeamComplex) -> list[tuple[int, np.ndarray, float]]:
+    """Short arcs with their direction at rest: (arc, wished end - start [cm], strength)."""
+    wishes = []
+    for i, arc in enumerate(complex.arcs):
+        strength = 1 - float(ramp(arc.length, FIRM_FULLY, FIRM_UP_TO))
+        strength *= 1 - turned_share(complex, arc)
+        if strength > 0:
+            chord = np.mean([_chord(complex, side) for side in arc.sides], axis=0)
+            wishes.append((i, chord, FIRM_STRENGTH * strength))
     return wishes
 
 
