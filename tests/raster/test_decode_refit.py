@@ -33,6 +33,30 @@ def test_circular_arc_becomes_one_edge_as_long(chords, radius):
     assert part.curves[0].length == pytest.approx(edge.length, rel=0.005)
 
 
+@given(st.integers(4, 12), st.floats(16, 60), st.booleans(), st.booleans())
+def test_points_of_an_arc_give_the_arc_back_even_the_long_way_round(chords, radius, large, right):
+    edge = Arc((0.0, 0.0), (30.0, 0.0), radius, large, right)
+    (part,) = cut_run((edge.sample(chords),))
+    (fitted,) = part.curves
+    if not fitted.is_straight:
+        assert isinstance(fitted, Arc)
+    assert hausdorff(fitted.sample(200), edge.sample(200)) < 0.5
+
+
+@given(st.floats(0.2, 1.0), st.integers(4, 10))
+def test_points_of_a_parabola_do_not_become_an_arc(bend, chords):
+    edge = Bezier((0.0, 0.0), ((15.0, 40 * bend),), (40.0, 0.0))
+    fitted = fit_curve(edge.sample(chords))
+    assert isinstance(fitted, Bezier)
+    assert len(fitted.controls) == 1
+
+
+def test_three_sides_of_a_square_tab_keep_their_corners():
+    """Its four points lie on a circle, too."""
+    parts = cut_run((np.array([(0.0, 0.0), (0.0, 8.0), (8.0, 8.0), (8.0, 0.0)]),))
+    assert [part.curves[0].is_straight for part in parts] == [True] * 3
+
+
 @given(st.integers(1, 9), st.floats(-3, 3))
 def test_points_on_a_line_become_a_line(chords, slope):
     edge = Line((0.0, 0.0), (20.0, 20.0 * slope))
