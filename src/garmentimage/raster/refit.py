@@ -267,16 +267,18 @@ def _fit_arc(points):  # type: ignore[no-untyped-def]
     told = count > ARC_CHORDS or abs(swept) > ARC_SWEEP
     if not told or abs(swept) > WIDEST_ARC:
         return 0.0, 0.0, np.inf
-    radius = 0.0
-    for j in range(count):
-        radius += np.hypot(points[j, 0] - cx, points[j, 1] - cy) / count
-    chord = np.hypot(points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1])
-    radius = max(radius, chord / 2)
+    # Through the ends exactly; from the sweep, as the radius hardly tells arcs near a half circle.
+    dx, dy = points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1]
+    radius = np.hypot(dx, dy) / (2 * np.sin(abs(swept) / 2))
+    away = 1 / (2 * np.tan(swept / 2))
+    cx = points[0, 0] + dx / 2 - dy * away
+    cy = points[0, 1] + dy / 2 + dx * away
+    first = np.arctan2(points[0, 1] - cy, points[0, 0] - cx)
     error = 0.0
-    for j in range(count):
-        away = np.hypot(points[j, 0] - cx, points[j, 1] - cy) - radius
-        along = (angles[j] - swept * j / (count - 1)) * radius
-        error = max(error, np.hypot(away, along))
+    for j in range(1, count - 1):
+        angle = first + swept * j / (count - 1)
+        x, y = cx + radius * np.cos(angle), cy + radius * np.sin(angle)
+        error = max(error, np.hypot(x - points[j, 0], y - points[j, 1]))
     return radius, swept, error
 
 
