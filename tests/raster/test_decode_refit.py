@@ -50,6 +50,20 @@ def test_points_of_a_parabola_do_not_become_an_arc(bend, chords):
     assert isinstance(fitted, Bezier)
 
 
+@pytest.mark.parametrize("ratio", [0.3, 0.6, 1.6, 3.0])
+def test_a_line_that_runs_smoothly_into_a_curve_is_an_edge_of_its_own(ratio):
+    """The front of trousers: the seam above, then the crotch, each with even grid points."""
+    crotch = Bezier((0.0, 0.0), ((0.0, -12.0),), (14.0, -15.0)).sample(3)
+    chord = float(np.hypot(*(crotch[1] - crotch[0])))
+    line = Line((0.0, 2 * chord * ratio), (0.0, 0.0)).sample(2)
+    first, second = cut_run((np.concatenate([line, crotch[1:]]),))
+    assert (first.last, first.curves[0].is_straight, second.curves[0].is_straight) == (
+        2,
+        True,
+        False,
+    )
+
+
 def test_three_sides_of_a_square_tab_keep_their_corners():
     """Its four points lie on a circle, too."""
     parts = cut_run((np.array([(0.0, 0.0), (0.0, 8.0), (8.0, 8.0), (8.0, 0.0)]),))

@@ -46,8 +46,13 @@ nothing to compare their turn with, two edges meet."""
 ARC_CHORDS = 3
 ARC_SWEEP = np.deg2rad(60.0)
 """From so many chords on, or with two that sweep more than this, an arc is told from a parabola."""
-WIDEST_ARC = np.deg2rad(354.0)
-"""Arcs that come nearer to closing are not fitted by one curve."""
+LEAST_ARC, WIDEST_ARC = np.deg2rad(0.5), np.deg2rad(354.0)
+"""Flatter arcs are no arcs; those that come nearer to closing are not fitted by one curve."""
+
+JUMP = 0.8
+JUMP_TURN = np.deg2rad(0.5)
+"""Where even chords of one length meet even chords of another, by at least this ratio, and the run
+turns thereabouts, two edges meet though there is no corner."""
 
 FULL_FIT_CHORDS = 4
 """From this many chords on, a curve through all of them is proof that there is no corner."""
@@ -198,6 +203,7 @@ def _look(points):  # type: ignore[no-untyped-def]
         even = min(chords[k], chords[k + 1]) > EVEN_CHORDS * max(chords[k], chords[k + 1])
         sharp = turns[k] > SHARP_TURN and turns[k] > SHARP_FACTOR * beside
         corners[k] = turns[k] > CORNER or (sharp and not (at_end and even))
+        corners[k] = corners[k] or (max(turns[k], beside) > JUMP_TURN and _jumps(chords, k))
         suspect = suspect or corners[k]
     if suspect and inner + 1 >= FULL_FIT_CHORDS:
         shares, length = _shares(points)
@@ -207,6 +213,22 @@ def _look(points):  # type: ignore[no-untyped-def]
             if error <= max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length):
                 corners[:] = False
     return turns, corners
+
+
+@njit(cache=True)
+def _jumps(chords, k):  # type: ignore[no-untyped-def]
+    """Whether even chords of two lengths meet after chord `k`."""
+    a, b = chords[k], chords[k + 1]
+    if min(a, b) > JUMP * max(a, b):
+        return False
+    told = False
+    if k > 0:
+        told = min(chords[k - 1], a) > EVEN_CHORDS * max(chords[k - 1], a)
+        if not told:
+            return False
+    if k + 2 < len(chords):
+        return min(chords[k + 2], b) > EVEN_CHORDS * max(chords[k + 2], b)
+    return told
 
 
 @njit(cache=True)
@@ -265,7 +287,7 @@ def _fit_arc(points):  # type: ignore[no-untyped-def]
         angles[j] = angles[j - 1] + np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
     swept = angles[-1]
     told = count > ARC_CHORDS or abs(swept) > ARC_SWEEP
-    if not told or abs(swept) > WIDEST_ARC:
+    if not told or not LEAST_ARC < abs(swept) < WIDEST_ARC:
         return 0.0, 0.0, np.inf
     # Through the ends exactly; from the sweep, as the radius hardly tells arcs near a half circle.
     dx, dy = points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1]
