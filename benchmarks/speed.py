@@ -14,7 +14,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
@@ -28,6 +27,7 @@ import numpy as np  # noqa: E402
 
 import garmentimage as gi  # noqa: E402
 from garmentimage.examples import example_names, example_path  # noqa: E402
+from garmentimage.pattern.spec import read_pattern  # noqa: E402
 
 FRESH_REPEATS = 5
 FRESH = "import garmentimage as gi; gi.decode(gi.encode(gi.load_pattern({path!r}), grid={grid}))"
@@ -85,22 +85,20 @@ def file_times(
     path: Path, grid: int, repeats: int, other: Callable[[Path, int], object] | None
 ) -> dict[str, float]:
     """Median milliseconds of each step on one file; the steps take turns."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        pattern = gi.load_pattern(path)
-        image = gi.encode(pattern, grid=grid)
-        steps = {
-            "encode": lambda: gi.encode(pattern, grid=grid),
-            "decode": lambda: gi.decode(image),
-        }
-        if other:
-            steps["other"] = lambda: other(path, grid)
-        for step in steps.values():
-            step()
-        taken = {name: [] for name in steps}
-        for _ in range(repeats):
-            for name, step in steps.items():
-                taken[name].append(milliseconds(step))
+    pattern, _ = read_pattern(path)
+    image = gi.encode(pattern, grid=grid)
+    steps = {
+        "encode": lambda: gi.encode(pattern, grid=grid),
+        "decode": lambda: gi.decode(image),
+    }
+    if other:
+        steps["other"] = lambda: other(path, grid)
+    for step in steps.values():
+        step()
+    taken = {name: [] for name in steps}
+    for _ in range(repeats):
+        for name, step in steps.items():
+            taken[name].append(milliseconds(step))
     return {name: float(np.median(values)) for name, values in taken.items()}
 
 

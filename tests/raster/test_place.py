@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from garmentimage import EncodeError
 from garmentimage.geometry.polygons import polyline_length, signed_area
 from garmentimage.pattern.model import Pattern, loop_from_curves
-from garmentimage.pattern.spec import load_pattern
+from garmentimage.pattern.spec import read_pattern
 from garmentimage.raster.complex import seam_complex
 from garmentimage.raster.image import EdgeType
 from garmentimage.raster.place import PELVIS_HEIGHT, floor_shift, place
@@ -236,7 +236,7 @@ def test_seams_between_the_layers_are_front_to_back():
 def test_real_garments_have_sides_that_face_out_on_both_layers():
     """Panels sewn front to back are of one garment, so only collars may be refused."""
     for path in corpus_sample(60):
-        pattern = load_pattern(path)
+        pattern, _ = read_pattern(path)
         try:
             graph = seam_complex(place(pattern))
         except EncodeError as error:

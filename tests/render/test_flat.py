@@ -107,6 +107,8 @@ def test_stitches_that_follow_each_other_are_one_seam(same_direction):
     )
     pattern = Pattern((strip("a", 3, 20.0), strip("b", 3, -20.0)), stitches)
     assert set(seam_numbers(pattern).values()) == {1}
+    named_otherwise = (replace(stitches[0], a=stitches[0].b, b=stitches[0].a), *stitches[1:])
+    assert set(seam_numbers(replace(pattern, stitches=named_otherwise)).values()) == {1}
     crossed = replace(
         pattern, stitches=tuple(replace(s, same_direction=not same_direction) for s in stitches)
     )

@@ -12,6 +12,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
+from garmentimage.geometry.polygons import lengths_along
+
 Point = tuple[float, float]
 
 CHORDS = 64
@@ -64,9 +66,7 @@ class _Measured:
     @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
         t = _ENDS if self.is_straight else _TABLE_PARAMETERS
-        points = self.at(t)  # type: ignore[attr-defined]
-        steps = np.hypot(*np.diff(points, axis=0).T)
-        return t, np.concatenate([[0.0], np.cumsum(steps)])
+        return t, lengths_along(self.at(t))  # type: ignore[attr-defined]
 
     @property
     def length(self) -> float:

@@ -28,13 +28,17 @@ def polyline_length(points: Float[np.ndarray, "n 2"]) -> float:
     return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
+def lengths_along(points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
+    """Length of an open polyline up to each of its points."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
 def resample(points: Float[np.ndarray, "n 2"], shares: Float[np.ndarray, " m"]) -> np.ndarray:
     """Points of an open polyline at the given shares (0..1) of its length; shape (m, 2)."""
     if len(points) == 2:
         at = np.asarray(shares)[:, None]
         return (1 - at) * points[0] + at * points[1]
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    lengths = np.concatenate([[0.0], np.cumsum(steps)])
+    lengths = lengths_along(points)
     s = np.asarray(shares) * lengths[-1]
     return np.stack(
         [np.interp(s, lengths, points[:, 0]), np.interp(s, lengths, points[:, 1])], axis=1

@@ -2,17 +2,13 @@
 
 Words of this file:
 
-- A **seam side** is a run of consecutive edges of one loop; a **seam** is two seam sides sewn
-  together. Stitches belong to one seam as long as the next edge on one side is sewn to the next
-  edge on the other (the one before it, where ends cross), in the same manner.
-- A **gap** is a free (unsewn) stretch between two seam sides of a loop. Only whether there is one
-  counts: how many edges it has and how long they are is the business of IoU.
-- A **dart** is a seam of a loop with itself whose sides meet at a vertex, the apex. A run of
-  stitches never goes on across an apex, or the dart would fold away.
+- A **seam side** is a run of edges sewn to another run, a **seam** two such sides (merged from
+  stitches by `sewn_runs`).
+- Of a **gap** between two seam sides only counts whether there is one: how many edges it has and
+  how long they are is the business of IoU.
+- A **dart** is a seam of a loop with itself whose sides meet at a vertex, the apex.
 - Each seam side lies at a **place** of its panel: where its middle is, seen from the panel's
   centroid. The order round a panel cannot tell a rectangle from one turned upside down; this can.
-- A **closed** seam side is a whole loop without beginning: where its first edge lies does not
-  count.
 
 The graph is kept as a combinatorial map: for each seam side the next one round its loop and the
 one that it is sewn to. One pair of seam sides that are the same therefore fixes all that hangs
@@ -20,7 +16,7 @@ together with them, which is why comparing is quick.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import dist, sqrt
@@ -30,7 +26,8 @@ import numpy as np
 from garmentimage.geometry.curves import Curve, Point
 from garmentimage.geometry.polygons import centroid, signed_area
 from garmentimage.metrics.matching import MIRRORED, POSES, TURNED, loop_polygon
-from garmentimage.pattern.model import Pattern, Side, Stitch
+from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.seams import Run, sewn_runs
 
 LENGTH_TOL_SHARE = 0.02
 """Stitched lengths agree within this share of the length ..."""
@@ -53,28 +50,13 @@ PoseTable = Mapping[tuple[str, str], tuple[int, ...]]
 
 
 @dataclass(frozen=True)
-class SeamSide:
-    """One side of a seam: a run of edges of one loop, sewn to another run."""
+class SeamSide(Run):
+    """One side of a seam, and what is measured of it."""
 
-    panel: str
-    loop: int
-    """0 for the outline, then the holes."""
-    edges: tuple[int, ...]
-    """Edge numbers of the panel, in loop order."""
     length: float
     """Length along the run [cm]."""
     middle: Point
     """The middle of the run, by arc length, seen from the panel's centroid [cm]."""
-    closed: bool
-    """The whole loop, without beginning or end."""
-    next: int
-    """Index of the next seam side round the loop (its own where there is no other)."""
-    gap_after: bool
-    """A free stretch lies between this seam side and the next."""
-    partner: int
-    """Index of the seam side that this one is sewn to."""
-    same_direction: bool
-    """Start meets start, instead of start meets end."""
 
 
 @dataclass(frozen=True)
@@ -163,45 +145,15 @@ def stitch_graph(pattern: Pattern) -> StitchGraph:
 
     The pattern's stitches must name existing edges, each at most once (see `validity`).
     """
-    stitch_of = {side: s for s in pattern.stitches for side in s.sides}
-    rings = _rings(pattern)
-    after = {s: n for ring in rings for s, n in zip(ring, ring[1:] + ring[:1])}
-    before = {n: s for s, n in after.items()}
-
-    def goes_on(side: Side) -> bool:
-        """Whether the run of `side` goes on with the edge after it."""
-        follower = after[side]
-        stitch, following = stitch_of.get(side), stitch_of.get(follower)
-        if stitch is None or following is None or stitch is following:
-            return False
-        if stitch.same_direction != following.same_direction:
-            return False
-        step = after if stitch.same_direction else before
-        return pattern.partners[follower] == step[pattern.partners[side]]
-
-    runs = [_runs(ring, stitch_of, goes_on) for ring in rings]
-    run_of = {side: k for k, run in enumerate(r for rs in runs for r in rs) for side in run}
-    loop_of = {side: number for ring, number in zip(rings, _loop_numbers(pattern)) for side in ring}
     outlines = {p.name: loop_polygon(p.outline) for p in pattern.panels}
     centres = {name: centroid(outline) for name, outline in outlines.items()}
     sides = []
-    for ring_runs in runs:
-        for run, following in zip(ring_runs, ring_runs[1:] + ring_runs[:1]):
-            curves = [pattern.curve(side) for side in run]
-            sides.append(
-                SeamSide(
-                    panel=run[0].panel,
-                    loop=loop_of[run[0]],
-                    edges=tuple(s.edge for s in run),
-                    length=sum(curve.length for curve in curves),
-                    middle=_middle(curves, centres[run[0].panel]),
-                    closed=goes_on(run[-1]),
-                    next=run_of[following[0]],
-                    gap_after=after[run[-1]] != following[0],
-                    partner=run_of[pattern.partners[run[0]]],
-                    same_direction=stitch_of[run[0]].same_direction,
-                )
-            )
+    for run in sewn_runs(pattern):
+        curves = [pattern.curve(side) for side in run.sides]
+        length = sum(curve.length for curve in curves)
+        sides.append(
+            SeamSide(**vars(run), length=length, middle=_middle(curves, centres[run.panel]))
+        )
     areas = {name: signed_area(outline) for name, outline in outlines.items()}
     nodes = {
         p.name: PanelNode(len(p.loops), areas[p.name] < 0, sqrt(abs(areas[p.name])))
@@ -222,38 +174,6 @@ def _middle(curves: Sequence[Curve], centre: np.ndarray) -> Point:
     share = min(left / curve.length, 1.0) if curve.length > 0 else 0.0
     (point,) = curve.at(np.array([curve.parameter(share)])) - centre
     return float(point[0]), float(point[1])
-
-
-def _rings(pattern: Pattern) -> list[list[Side]]:
-    """The sides of every loop of every panel, in loop order."""
-    rings = []
-    for panel in pattern.panels:
-        first = 0
-        for loop in panel.loops:
-            last = first + len(loop.edges)
-            rings.append([Side(panel.name, k) for k in range(first, last)])
-            first = last
-    return rings
-
-
-def _loop_numbers(pattern: Pattern) -> list[int]:
-    return [number for panel in pattern.panels for number in range(len(panel.loops))]
-
-
-def _runs(
-    ring: list[Side], sewn: Mapping[Side, Stitch], goes_on: Callable[[Side], bool]
-) -> list[list[Side]]:
-    """The sewn runs of one loop, in loop order."""
-    starts = [k for k, s in enumerate(ring) if s in sewn and not goes_on(ring[k - 1])]
-    if not starts:
-        return [ring] if ring[0] in sewn else []
-    runs = []
-    for start in starts:
-        run = [ring[start]]
-        while goes_on(run[-1]):
-            run.append(ring[(start + len(run)) % len(ring)])
-        runs.append(run)
-    return runs
 
 
 def match_graphs(

@@ -15,7 +15,6 @@ from jaxtyping import Float
 from garmentimage.errors import PatternError, StitchError, quoted
 from garmentimage.geometry.polygons import polyline_length
 from garmentimage.pattern.model import (
-    POLYGON_CHORDS,
     Circle,
     Cubic,
     Edge,
@@ -26,6 +25,7 @@ from garmentimage.pattern.model import (
     Quadratic,
     Side,
     Stitch,
+    chord_count,
 )
 
 NAME_LIMIT = 200
@@ -371,8 +371,7 @@ def _crossing_edges(
     after = np.concatenate(
         [np.roll(np.arange(len(r)), -1) + at for r, at in zip(rings, _offsets(rings))]
     )
-    chords = [1 if c.is_straight else POLYGON_CHORDS for c in panel.curves]
-    owner = np.repeat(np.arange(len(panel.edges)), chords)
+    owner = np.repeat(np.arange(len(panel.edges)), [chord_count(c) for c in panel.curves])
     segments = shapely.linestrings(np.stack([starts, ends], axis=1))
     tree = shapely.STRtree(segments)
     for low in range(0, len(segments), SEGMENT_BLOCK):

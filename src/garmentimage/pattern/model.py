@@ -13,7 +13,7 @@ Words of this file:
   front of the body.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -27,7 +27,7 @@ from garmentimage.geometry.polygons import signed_area
 Vector = tuple[float, float, float]
 
 POLYGON_CHORDS = 16
-"""Chords that stand for a curved edge in `Loop.polygon`."""
+"""Chords that stand for a curved edge in `polygon_of`."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +91,7 @@ class Loop:
     @cached_property
     def polygon(self) -> Float[np.ndarray, "n 2"]:
         """The loop as a polygon, not closed: straight edges as they are, curves in 16 chords."""
-        return np.concatenate(
-            [c.sample(1 if c.is_straight else POLYGON_CHORDS)[:-1] for c in self.curves]
-        )
+        return polygon_of(self.curves)
 
     @cached_property
     def area(self) -> float:
@@ -239,6 +237,16 @@ def edge_curve(start: Point, end: Point, curvature: Curvature) -> Curve:
             return Bezier(
                 start, (_absolute(start, end, control), _absolute(start, end, control2)), end
             )
+
+
+def chord_count(curve: Curve) -> int:
+    """Sides of the polygon of `polygon_of` that stand for a curve."""
+    return 1 if curve.is_straight else POLYGON_CHORDS
+
+
+def polygon_of(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
+    """A closed chain of curves as a polygon, not closed [cm]."""
+    return np.concatenate([c.sample(chord_count(c))[:-1] for c in curves])
 
 
 def curvature_of(curve: Curve) -> Curvature:

@@ -25,6 +25,8 @@ ARCHIVE_LIMIT = 160 * 2**20
 """Largest sum of the unpacked arrays of an `.npz` [bytes]."""
 MEMBER_LIMIT = 64
 """Most arrays in an `.npz`."""
+PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""What numpy writes; zipfile unpacks the others without any bound on memory."""
 
 _BAD_HEADER = (ValueError, TypeError, SyntaxError, tokenize.TokenError, struct.error)
 _BAD_ARCHIVE = (
@@ -86,7 +88,10 @@ def parse_npy(data: bytes, where: str) -> np.ndarray:
     if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != len(data) - stream.tell():
         raise ImageError(f"{where}: the header tells of shape {shape}, the data has another size")
     flat = np.frombuffer(data, dtype=dtype, offset=stream.tell())
-    array = flat.reshape(shape, order="F" if fortran_order else "C")
+    try:
+        array = flat.reshape(shape, order="F" if fortran_order else "C")
+    except (ValueError, TypeError) as error:  # A thousand axes, or an empty one beside a huge one.
+        raise ImageError(f"{where}: not a numpy array ({_first_line(error)})") from None
     return array.astype(dtype.newbyteorder("="), copy=False)
 
 
@@ -107,15 +112,25 @@ def parse_npz(data: bytes, where: str, wanted: tuple[str, ...]) -> dict[str, np.
                     f"{where}: not a GarmentImage, the array {missing[0]!r} is missing"
                 )
             chosen = {name: members[f"{name}.npy"] for name in wanted}
-            # A member never unpacks to more than the size it declares, so this bounds the memory.
+            if any(info.compress_type not in PACKINGS for info in chosen.values()):
+                raise ImageError(f"{where}: packed in a way that no .npz is; save it again")
             if sum(info.file_size for info in chosen.values()) > ARCHIVE_LIMIT:
                 raise ImageError(f"{where}: unpacks to more than {ARCHIVE_LIMIT / 2**20:.0f} MiB")
-            parts = {name: archive.read(info) for name, info in chosen.items()}
+            parts = {name: _unpacked(archive, info) for name, info in chosen.items()}
     except _BAD_ARCHIVE as error:
         if isinstance(error, ImageError):
             raise
         raise ImageError(f"{where}: a damaged archive ({_first_line(error)})") from None
     return {name: parse_npy(part, f"{where}, {name}") for name, part in parts.items()}
+
+
+def _unpacked(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
+    """A member up to the size that it declares.
+
+    Asked for all of it, zipfile would unpack as much as the data holds before it cuts it off.
+    """
+    with archive.open(info) as member:
+        return member.read(info.file_size + 1)
 
 
 def npz_bytes(arrays: dict[str, np.ndarray]) -> bytes:

@@ -19,6 +19,7 @@ from jaxtyping import Bool, Float, Int, Integer
 from numba import njit
 
 from garmentimage.raster.image import EdgeType
+from garmentimage.raster.union_find import merge, root_of
 
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 """(dx, dy) of the corners bottom left, bottom right, top right, top left."""
@@ -161,23 +162,6 @@ def _label(inside, edge_type, labels):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _root(parent, i):  # type: ignore[no-untyped-def]
-    while parent[i] != i:
-        parent[i] = parent[parent[i]]
-        i = parent[i]
-    return i
-
-
-@njit(cache=True)
-def _join(parent, i, j):  # type: ignore[no-untyped-def]
-    a, b = _root(parent, i), _root(parent, j)
-    if a < b:
-        parent[b] = a
-    else:
-        parent[a] = b
-
-
-@njit(cache=True)
 def _mesh(mask, edge_type, corners):  # type: ignore[no-untyped-def]
     grid = mask.shape[0]
     index = np.full((grid, grid), -1, np.int64)
@@ -194,12 +178,12 @@ def _mesh(mask, edge_type, corners):  # type: ignore[no-untyped-def]
         row, col = cells[i]
         left = index[row, col - 1] if col > 0 else -1
         if left >= 0 and edge_type[1, row, col] == _NON_BOUNDARY:
-            _join(parent, 4 * i, 4 * left + 1)
-            _join(parent, 4 * i + 3, 4 * left + 2)
+            merge(parent, 4 * i, 4 * left + 1)
+            merge(parent, 4 * i + 3, 4 * left + 2)
         below = index[row - 1, col] if row > 0 else -1
         if below >= 0 and edge_type[0, row, col] == _NON_BOUNDARY:
-            _join(parent, 4 * i, 4 * below + 3)
-            _join(parent, 4 * i + 1, 4 * below + 2)
+            merge(parent, 4 * i, 4 * below + 3)
+            merge(parent, 4 * i + 1, 4 * below + 2)
     # A root is the smallest corner of its class, so vertices are numbered in raster order too.
     vertex = np.full(4 * count, -1, np.int64)
     corner_ids = np.empty((count, 4), np.int64)
@@ -207,13 +191,13 @@ def _mesh(mask, edge_type, corners):  # type: ignore[no-untyped-def]
     vertex_count = 0
     for i in range(count):
         for c in range(4):
-            root = _root(parent, 4 * i + c)
-            if vertex[root] < 0:
-                vertex[root] = vertex_count
+            corner = root_of(parent, 4 * i + c)
+            if vertex[corner] < 0:
+                vertex[corner] = vertex_count
                 lattice[vertex_count, 0] = cells[i, 1] + corners[c, 0]
                 lattice[vertex_count, 1] = cells[i, 0] + corners[c, 1]
                 vertex_count += 1
-            corner_ids[i, c] = vertex[root]
+            corner_ids[i, c] = vertex[corner]
     return cells, corner_ids, lattice[:vertex_count].copy()
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from garmentimage.raster.drawing import Drawing, Path
+from garmentimage.raster.union_find import merge, root_of
 
 NODE_WEIGHT = 4.0
 """Weight of a node's own wish against one cell of path."""
@@ -190,14 +191,6 @@ def _chords(
 
 
 @njit(cache=True)
-def _root(parent, i):  # type: ignore[no-untyped-def]
-    while parent[i] != i:
-        parent[i] = parent[parent[i]]
-        i = parent[i]
-    return i
-
-
-@njit(cache=True)
 def _variables(flat, lens, tail, head, nodes, along):  # type: ignore[no-untyped-def]
     """A variable per run of vertices that share their coordinate; a node has one for all arcs."""
     other = 1 - along
@@ -211,13 +204,12 @@ def _variables(flat, lens, tail, head, nodes, along):  # type: ignore[no-untyped
             if k == lens[i] - 1:
                 out[at + k] = head[i]
                 if turned:
-                    a, b = _root(parent, head[i]), _root(parent, out[at + k - 1])
-                    parent[max(a, b)] = min(a, b)
+                    merge(parent, head[i], out[at + k - 1])
             else:
                 out[at + k] = out[at + k - 1] if turned else nodes + at + k
         at += lens[i]
     for v in range(len(flat)):
-        out[v] = _root(parent, out[v])
+        out[v] = root_of(parent, out[v])
     return out
 
 

@@ -17,6 +17,7 @@ from garmentimage.geometry.polygons import polyline_length
 from garmentimage.raster.image import EdgeType
 from garmentimage.raster.place import GENERIC_SLOPE, Placed, PlacedPanel, PlacedSeam
 from garmentimage.raster.split import cut_polyline
+from garmentimage.raster.union_find import merge, root_of
 
 Side = tuple[int, int]
 """(panel index, edge number)."""
@@ -100,22 +101,15 @@ def _merged_corners(placed: Placed) -> dict[Side, tuple[int, int]]:
         for loop in panel.loops:
             for k, following in zip(loop, (*loop[1:], loop[0])):
                 ends[i, k] = (i, k), (i, following)
-    root = {corner: corner for corner in ends}
-
-    def find(corner: Side) -> Side:
-        while root[corner] != corner:
-            root[corner] = root[root[corner]]
-            corner = root[corner]
-        return corner
-
+    number = {corner: n for n, corner in enumerate(ends)}
+    parent = np.arange(len(number))
     for seam in placed.seams:
         first, second = ends[seam.a], ends[seam.b]
         for mine, theirs in zip(first, second[::-1] if seam.crossed else second):
-            root[find(mine)] = find(theirs)
-    number: dict[Side, int] = {}
+            merge(parent, number[mine], number[theirs])
     return {
-        side: tuple(number.setdefault(find(c), len(number)) for c in corners)  # type: ignore[misc]
-        for side, corners in ends.items()
+        side: (root_of(parent, number[first]), root_of(parent, number[last]))
+        for side, (first, last) in ends.items()
     }
 
 

@@ -14,19 +14,19 @@ from numba import njit
 
 from garmentimage.errors import DecodeError
 from garmentimage.geometry.crossings import contains, touching_sides
-from garmentimage.geometry.curves import Curve
 from garmentimage.geometry.polygons import centroid, signed_area
 from garmentimage.pattern.check import PANEL_SIZE_LIMIT, SHORTEST_EDGE
 from garmentimage.pattern.model import (
-    POLYGON_CHORDS,
     Loop,
     Panel,
     Pattern,
     Point,
     Side,
     Stitch,
+    chord_count,
     euler_angles,
     loop_from_curves,
+    polygon_of,
 )
 from garmentimage.raster.cells import CellMesh, cell_mesh, label_panels
 from garmentimage.raster.image import GarmentImage, PanelMark
@@ -237,7 +237,7 @@ def _draw(
         boundary, whole = join_parts(apart, part_of)
         loops = boundary.loops
         seams = cut_into_edges(boundary, loops, straight)
-        polygons = [_polygon(loop.curves) for loop in seams.loops]
+        polygons = [polygon_of(loop.curves) for loop in seams.loops]
         members: dict[int, list[int]] = {}
         for index, loop in enumerate(loops):
             members.setdefault(int(whole[boundary.cluster[loop[0]]]), []).append(index)
@@ -307,7 +307,7 @@ def _curved_runs(
         run if not curve.is_straight else NONE
         for loop in loops
         for curve, run in zip(loop.curves, loop.runs, strict=True)
-        for _ in range(_chord_count(curve))
+        for _ in range(chord_count(curve))
     ]
     runs = set()
     for pair in touching_sides(polygons).tolist():
@@ -385,11 +385,3 @@ def _moved(loop: Loop, move: Float[np.ndarray, " 2"]) -> Loop:
         (float(x + move[0]), float(y + move[1])) for x, y in loop.vertices
     )
     return Loop(vertices, loop.edges)
-
-
-def _polygon(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
-    return np.concatenate([c.sample(_chord_count(c))[:-1] for c in curves])
-
-
-def _chord_count(curve: Curve) -> int:
-    return 1 if curve.is_straight else POLYGON_CHORDS

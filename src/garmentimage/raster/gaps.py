@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.geometry.polygons import centroid
+from garmentimage.geometry.polygons import centroid, lengths_along
 from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.relax import Rows
 from garmentimage.raster.samples import INNER, Samples, ramp
@@ -109,7 +109,7 @@ def _chain(
         key=key,
         ids=samples.ids[here][at],
         points=points,
-        along=np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))]),
+        along=lengths_along(points),
         hand=float(panel.sign * step),
         directions=_directions(points, chord),
     )

@@ -1,6 +1,7 @@
 """Panel marks as JSON objects, each field checked as it is read."""
 
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import asdict, fields
 from typing import Any
@@ -26,12 +27,19 @@ def read_text(value: Any) -> str:
     return value
 
 
+def _is_number(value: Any) -> bool:
+    """Whether this is a finite number that a float holds."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return math.isfinite(value) if isinstance(value, float) else abs(value) <= sys.float_info.max
+
+
 def _numbers(count: int) -> Callable[[Any], tuple[float, ...]]:
     def read(value: Any) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != count:
             raise ImageError(f"wanted {count} numbers, found {str(value)[:40]!r}")
         for v in value:
-            if isinstance(v, bool) or not isinstance(v, int | float) or not math.isfinite(v):
+            if not _is_number(v):
                 raise ImageError(f"wanted {count} numbers, found {str(v)[:40]!r} among them")
         return tuple(map(float, value))
 

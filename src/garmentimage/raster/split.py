@@ -13,7 +13,13 @@ from jaxtyping import Float
 
 from garmentimage.errors import EncodeError
 from garmentimage.geometry.curves import CHORDS
-from garmentimage.geometry.polygons import centroid, polyline_length, resample, signed_area
+from garmentimage.geometry.polygons import (
+    centroid,
+    lengths_along,
+    polyline_length,
+    resample,
+    signed_area,
+)
 from garmentimage.pattern.model import Pattern
 
 SEEN_FROM_SIDE = 0.6
@@ -142,8 +148,8 @@ def cut_polyline(
     points: Float[np.ndarray, "n 2"], share: float
 ) -> tuple[Float[np.ndarray, "k 2"], Float[np.ndarray, "m 2"]]:
     """The parts of an open polyline before and after a share (0..1) of its length."""
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    shares = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
+    lengths = lengths_along(points)
+    shares = lengths / lengths[-1]
     middle = resample(points, np.array([share]))
     near = 1e-9
     return (
@@ -196,7 +202,7 @@ def _crossings(cloth: Cloth, piece: Piece, middle: float) -> list[float]:
     Of more than two the pair farthest apart along the loop.
     """
     closed = np.concatenate([cloth.polygon(piece), cloth.curves[piece.loops[0][0]][:1]])
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+    along = lengths_along(closed)
     depth = cloth.world(piece, closed)[:, 2] - middle
     (i,) = np.nonzero((depth[:-1] <= 0) != (depth[1:] <= 0))
     places = along[i] + depth[i] / (depth[i] - depth[i + 1]) * (along[i + 1] - along[i])
@@ -270,7 +276,7 @@ def _balance(cloth: Cloth, piece: Piece, a: float, b: float) -> float:
     """Share of the area on the smaller side of the line between two places on the outer loop."""
     polygon = cloth.polygon(piece)
     closed = np.concatenate([polygon, polygon[:1]])
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+    along = lengths_along(closed)
     a, b = sorted((a, b))
     ends = resample(closed, np.array([a, b]) / along[-1])
     between = polygon[(along[:-1] > a) & (along[:-1] < b)]

@@ -1,7 +1,6 @@
 """A pattern as a flat drawing: panels, seams in matching colours and numbers, grain, scale.
 
-Words of this file: a **seam** is a run of stitches that follow each other on both sides; it gets
-one colour and one number.
+A seam is a run of stitches that follow each other on both sides; it gets one colour and one number.
 """
 
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ from jaxtyping import Float
 
 from garmentimage.geometry.polygons import centroid
 from garmentimage.pattern.model import Pattern, Side
+from garmentimage.pattern.seams import sewn_runs
 from garmentimage.render.arrange import Arrangement, PlacedPanel, arrange, bounds
 from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable
 
@@ -81,57 +81,19 @@ def seam_numbers(pattern: Pattern) -> dict[Side, int]:
     names of the panels, then from the wearer's right to the left and upwards; they do not depend
     on the order of panels or stitches, so two versions of a pattern are easily compared.
     """
-    parent = list(range(len(pattern.stitches)))
-
-    def root(k: int) -> int:
-        while parent[k] != k:
-            k = parent[k]
-        return k
-
-    stitch_of = {side: k for k, s in enumerate(pattern.stitches) for side in s.sides}
-    follower = _followers(pattern)
-    for k, stitch in enumerate(pattern.stitches):
-        after = follower[stitch.a]
-        other = stitch_of.get(after)
-        if other is None or pattern.stitches[other].same_direction != stitch.same_direction:
-            continue
-        partner = pattern.partners[after]
-        joined = (
-            follower[stitch.b] == partner
-            if stitch.same_direction
-            else follower[partner] == stitch.b
-        )
-        if joined:
-            parent[root(other)] = root(k)
-    seams: dict[int, list[Side]] = {}
-    for side, k in stitch_of.items():
-        seams.setdefault(root(k), []).append(side)
+    runs = sewn_runs(pattern)
 
     def place(k: int) -> tuple[list[str], list[float], int]:
+        sides = runs[k].sides + runs[runs[k].partner].sides
         points = [
             pattern.by_name[side.panel].to_world(pattern.curve(side).sample(2)[1:2])[0]
-            for side in seams[k]
+            for side in sides
         ]
-        middle = np.mean(points, axis=0).round(3).tolist()
-        return sorted({side.panel for side in seams[k]}), middle, k
+        return sorted({side.panel for side in sides}), np.mean(points, axis=0).round(3).tolist(), k
 
-    order = sorted(seams, key=place)
-    number = {k: n for n, k in enumerate(order, start=1)}
-    return {side: number[root(k)] for side, k in stitch_of.items()}
-
-
-def _followers(pattern: Pattern) -> dict[Side, Side]:
-    """The side that comes next in the loop of each side."""
-    follower = {}
-    for panel in pattern.panels:
-        first = 0
-        for loop in panel.loops:
-            count = len(loop.edges)
-            for k in range(count):
-                after = first + (k + 1) % count
-                follower[Side(panel.name, first + k)] = Side(panel.name, after)
-            first += count
-    return follower
+    seams = sorted((k for k, run in enumerate(runs) if k <= run.partner), key=place)
+    number = {k: n for n, k in enumerate(seams, start=1)}
+    return {side: number[min(k, run.partner)] for k, run in enumerate(runs) for side in run.sides}
 
 
 def seam_colour(number: int) -> str:

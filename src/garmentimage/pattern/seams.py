@@ -1,0 +1,109 @@
+"""Seams: stitches that follow each other on both sides, taken as one.
+
+- A **run** is a chain of consecutive edges of one loop that is sewn to another run; the two runs
+  are a **seam**. Stitches belong to one seam as long as the next edge on one side is sewn to the
+  next edge on the other (the one before it, where ends cross), in the same manner.
+- A **gap** is a free (unsewn) stretch between two runs of a loop.
+- Where the two sides of a seam meet at a vertex, the apex of a dart, both runs end, or the dart
+  would fold away.
+- A **closed** run is a whole loop without beginning: where its first edge lies does not count.
+"""
+
+from collections.abc import Callable, Container
+from dataclasses import dataclass
+
+from garmentimage.pattern.model import Pattern, Side
+
+
+@dataclass(frozen=True)
+class Run:
+    """One side of a seam."""
+
+    panel: str
+    loop: int
+    """0 for the outline, then the holes."""
+    edges: tuple[int, ...]
+    """Edge numbers of the panel, in loop order."""
+    closed: bool
+    """The whole loop, without beginning or end."""
+    next: int
+    """Index of the next run round the loop (its own where there is no other)."""
+    gap_after: bool
+    """A free stretch lies between this run and the next."""
+    partner: int
+    """Index of the run that this one is sewn to."""
+    same_direction: bool
+    """Start meets start, instead of start meets end."""
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        """The edges as stitches name them."""
+        return tuple(Side(self.panel, edge) for edge in self.edges)
+
+
+def sewn_runs(pattern: Pattern) -> tuple[Run, ...]:
+    """All runs of a pattern, in order of panel, loop and edge.
+
+    The pattern's stitches must name existing edges, each at most once.
+    """
+    stitch_of = {side: s for s in pattern.stitches for side in s.sides}
+    loops = _loops(pattern)
+    after = {s: n for _, ring in loops for s, n in zip(ring, ring[1:] + ring[:1])}
+    before = {n: s for s, n in after.items()}
+
+    def goes_on(side: Side) -> bool:
+        """Whether the run of `side` goes on with the edge after it."""
+        follower = after[side]
+        stitch, following = stitch_of.get(side), stitch_of.get(follower)
+        if stitch is None or following is None or stitch is following:
+            return False
+        if stitch.same_direction != following.same_direction:
+            return False
+        step = after if stitch.same_direction else before
+        return pattern.partners[follower] == step[pattern.partners[side]]
+
+    chains = [(number, _chains(ring, stitch_of, goes_on)) for number, ring in loops]
+    every = [chain for _, own in chains for chain in own]
+    index = {side: k for k, chain in enumerate(every) for side in chain}
+    return tuple(
+        Run(
+            panel=chain[0].panel,
+            loop=number,
+            edges=tuple(side.edge for side in chain),
+            closed=goes_on(chain[-1]),
+            next=index[following[0]],
+            gap_after=after[chain[-1]] != following[0],
+            partner=index[pattern.partners[chain[0]]],
+            same_direction=stitch_of[chain[0]].same_direction,
+        )
+        for number, own in chains
+        for chain, following in zip(own, own[1:] + own[:1])
+    )
+
+
+def _loops(pattern: Pattern) -> list[tuple[int, list[Side]]]:
+    """Every loop of every panel: its number, and its sides in order."""
+    loops = []
+    for panel in pattern.panels:
+        first = 0
+        for number, loop in enumerate(panel.loops):
+            last = first + len(loop.edges)
+            loops.append((number, [Side(panel.name, k) for k in range(first, last)]))
+            first = last
+    return loops
+
+
+def _chains(
+    ring: list[Side], sewn: Container[Side], goes_on: Callable[[Side], bool]
+) -> list[list[Side]]:
+    """The sewn chains of one loop, in loop order."""
+    starts = [k for k, s in enumerate(ring) if s in sewn and not goes_on(ring[k - 1])]
+    if not starts:
+        return [ring] if ring[0] in sewn else []
+    chains = []
+    for start in starts:
+        chain = [ring[start]]
+        while goes_on(chain[-1]):
+            chain.append(ring[(start + len(chain)) % len(ring)])
+        chains.append(chain)
+    return chains

@@ -1,0 +1,302 @@
+"""Walls inside panels: seams made whole or dropped, small regions merged, the paper's cases mended.
+
+- A **wall** is a grid edge between two inside cells that is not `NON_BOUNDARY`.
+- A **tip** is a lattice point where a chain of walls ends inside a panel.
+- An **interface** is all walls, found or merely likely, between the same two regions.
+
+Costs are negative log probabilities [nats]. A rule that weighs them changes flags and types in
+place, and the costs too, so that its decision lasts.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from garmentimage.raster.cells import label_panels
+from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
+from garmentimage.raster.labelling import CERTAIN_COST
+
+LIKELY_WALL = 0.25
+"""Probability from which a grid edge counts as a possible wall when regions are made."""
+
+BROKEN_COST = 2.5
+"""What a seam that divides only in part, or a slit, must be worth to stay as it is."""
+
+SMALL_REGION, SMALL_COST = 3, 4.0
+"""A region of fewer cells must be worth this much to stay on its own."""
+
+BAND_LENGTH, BAND_SURENESS = 3, 1.5
+"""A band one cell wide and at least this long stays one only if the probabilities of the seams on
+its two sides sum to more than this: near 1 it is one seam whose place is uncertain."""
+
+DART_OPENING = 0.03
+"""Two legs whose vectors differ by this share of their length may belong to an open dart."""
+
+SHARED_TOL = 0.12
+"""Two cells that share an undivided grid edge give it the same vector, to this share of it."""
+
+_NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
+_FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
+
+Flags = Bool[np.ndarray, "layer row col"]
+Types = Int[np.ndarray, "layer 2 row col"]
+Costs = Float[np.ndarray, "layer 2 4 row col"]
+Wall = tuple[int, int, int]
+"""(h, row, col) of a grid edge of one layer: h = 0 the bottom, 1 the left edge of the cell."""
+
+
+def whole_seams(inside: Flags, types: Types, cost: Costs) -> int:
+    """Make each interface and each slit one type where that is cheaper than leaving it broken.
+
+    Returns:
+        How many interfaces and slits were changed.
+    """
+    changed = 0
+    for layer in range(len(inside)):
+        inner = _inner_edges(inside[layer]) & (types[layer] != _FRONT_TO_BACK)
+        extra = cost[layer, :, _SIDE_BY_SIDE] - cost[layer, :, _NON_BOUNDARY]
+        likely = inner & (extra < np.log(1 / LIKELY_WALL - 1))
+        walls = np.where(likely | (inner & (types[layer] > 0)), _SIDE_BY_SIDE, types[layer])
+        regions, _ = label_panels(inside[layer : layer + 1], walls[None].astype(np.int8))
+        groups: dict[tuple[int, int], list[Wall]] = {}
+        for h, row, col in np.argwhere(inner & (walls > 0)).tolist():
+            first, second = (int(regions[0][cell]) for cell in _sides((h, row, col)))
+            groups.setdefault((min(first, second), max(first, second)), []).append((h, row, col))
+        for (first, second), group in sorted(groups.items()):
+            chains = _connected(group) if first == second else [group]
+            for chain in chains:
+                changed += _settle(chain, types[layer], cost[layer], divides=first != second)
+    return changed
+
+
+def _connected(walls: list[Wall]) -> list[list[Wall]]:
+    """Walls grouped into chains that hang together."""
+    at: dict[tuple[int, int], list[Wall]] = {}
+    for wall in walls:
+        for point in _ends(wall):
+            at.setdefault(point, []).append(wall)
+    seen: set[Wall] = set()
+    chains = []
+    for wall in walls:
+        if wall in seen:
+            continue
+        seen.add(wall)
+        chain, queue = [], [wall]
+        while queue:
+            chain.append(queue.pop())
+            for near in (w for point in _ends(chain[-1]) for w in at[point]):
+                if near not in seen:
+                    seen.add(near)
+                    queue.append(near)
+        chains.append(chain)
+    return chains
+
+
+def _settle(chain: list[Wall], types: np.ndarray, cost: np.ndarray, *, divides: bool) -> bool:
+    """Give a chain one type if that costs less than its present types and being broken."""
+    h, row, col = np.array(chain).T
+    own = types[h, row, col]
+    if divides and (own == own[0]).all():
+        return False
+    if not own.any():
+        return False
+    options = (_NON_BOUNDARY, _SIDE_BY_SIDE, _NON_STITCH) if divides else (_NON_BOUNDARY,)
+    totals = [float(cost[h, t, row, col].sum()) for t in options]
+    k = int(np.argmin(totals))
+    if totals[k] >= float(cost[h, own, row, col].sum()) + BROKEN_COST:
+        return False
+    _decide(chain, options[k], types, cost)
+    return True
+
+
+def _decide(walls: list[Wall], kind: int, types: np.ndarray, cost: np.ndarray) -> None:
+    """Give grid edges of one layer a type for good."""
+    h, row, col = np.array(walls).T
+    types[h, row, col] = kind
+    inner = np.array([_NON_BOUNDARY, _NON_STITCH, _SIDE_BY_SIDE])
+    for other in inner[inner != kind]:
+        cost[h, other, row, col] = np.maximum(cost[h, other, row, col], CERTAIN_COST)
+    cost[h, kind, row, col] = 0.0
+
+
+def merge_small_regions(
+    inside: Flags, types: Types, flag_cost: Float[np.ndarray, "2 layer row col"], cost: Costs
+) -> int:
+    """Merge small uncertain regions into their likeliest neighbour; drop those without one.
+
+    Returns:
+        How many regions were merged or dropped.
+    """
+    merged = 0
+    for layer in range(len(inside)):
+        regions, count = label_panels(inside[layer : layer + 1], types[layer : layer + 1])
+        near = _interfaces(regions[0], types[layer])
+        sizes = np.bincount(regions[regions >= 0], minlength=count)
+        for k in np.flatnonzero(sizes < SMALL_REGION).tolist():
+            prices = sorted(
+                (float(sum(cost[layer, h, _NON_BOUNDARY, r, c] - cost[layer, h, t, r, c])), other)
+                for other, walls in near.get(k, {}).items()
+                for t, (h, r, c) in [(_SIDE_BY_SIDE, np.array(walls).T)]
+            )
+            if prices and prices[0][0] < SMALL_COST:
+                _decide(near[k][prices[0][1]], _NON_BOUNDARY, types[layer], cost[layer])
+                merged += 1
+            elif not prices:
+                cells = regions[0] == k
+                price = (flag_cost[0, layer] - flag_cost[1, layer])[cells].sum()
+                if price < SMALL_COST:
+                    flag_cost[1, layer][cells] = 2 * CERTAIN_COST
+                    inside[layer][cells] = False
+                    merged += 1
+    return merged
+
+
+def merge_bands(inside: Flags, types: Types, belief: Costs, cost: Costs) -> int:
+    """Merge a band one cell wide into a neighbour where its two seams are one uncertain seam.
+
+    Args:
+        inside: flags.
+        types: edge types.
+        belief: what the network thinks of the types, untouched by other rules.
+        cost: what the types cost now.
+
+    Returns:
+        How many bands were merged.
+    """
+    merged = 0
+    for layer in range(len(inside)):
+        regions, count = label_panels(inside[layer : layer + 1], types[layer : layer + 1])
+        near = _interfaces(regions[0], types[layer])
+        for k in range(count):
+            rows, cols = np.nonzero(regions[0] == k)
+            if len(rows) < BAND_LENGTH or min(np.ptp(rows), np.ptp(cols)) > 0:
+                continue
+            across = BOTTOM if np.ptp(rows) == 0 else LEFT
+            sides: list[tuple[float, list[Wall]]] = []
+            for walls in near.get(k, {}).values():
+                along = [w for w in walls if w[0] == across]
+                if 2 * len(along) >= len(rows):
+                    h, r, c = np.array(along).T
+                    sides.append(
+                        (float(np.exp(-belief[layer, h, _SIDE_BY_SIDE, r, c]).mean()), walls)
+                    )
+            if len(sides) == 2 and sides[0][0] + sides[1][0] < BAND_SURENESS:
+                _decide(min(sides)[1], _NON_BOUNDARY, types[layer], cost[layer])
+                merged += 1
+    return merged
+
+
+def _interfaces(
+    regions: Int[np.ndarray, "row col"], types: Int[np.ndarray, "2 row col"]
+) -> dict[int, dict[int, list[Wall]]]:
+    """For each region its side-by-side neighbours and the walls between them."""
+    found: dict[int, dict[int, list[Wall]]] = {}
+    for h, row, col in np.argwhere(types == _SIDE_BY_SIDE).tolist():
+        (a, b) = (int(regions[cell]) for cell in _sides((h, row, col)))
+        if a != b:
+            found.setdefault(a, {}).setdefault(b, []).append((h, row, col))
+            found.setdefault(b, {}).setdefault(a, []).append((h, row, col))
+    return found
+
+
+def mend_paper_cases(
+    image: GarmentImage,
+) -> tuple[Types, dict[str, int]]:
+    """The two invalid patterns that the paper mends.
+
+    Returns:
+        The mended types, and how many grid edges were mended by rule; the image stays as it is.
+    """
+    types = image.edge_type.copy()
+    sewn = 0
+    for layer in range(image.layers):
+        if layer ^ 1 >= image.layers:
+            continue
+        gaps = (types[layer] == _NON_STITCH) & (types[layer ^ 1] == _FRONT_TO_BACK)
+        for h, row, col in np.argwhere(gaps).tolist():
+            if all(_touching(types[layer], (h, row, col), p, _FRONT_TO_BACK) for p in (0, 1)):
+                types[layer, h, row, col] = _FRONT_TO_BACK
+                sewn += 1
+    closed = 0
+    for layer in range(image.layers):
+        inner = _inner_edges(image.inside[layer]) & (types[layer] == _NON_BOUNDARY)
+        # A wall can only be missing where walls end: most images have no such place.
+        for h, row, col in np.argwhere(inner & _between_walls(types[layer])).tolist():
+            if _is_missing_wall(image, types[layer], layer, (h, row, col)):
+                types[layer, h, row, col] = _SIDE_BY_SIDE
+                closed += 1
+    return types, {"gaps in front-to-back seams": sewn, "gaps in side-by-side seams": closed}
+
+
+def _between_walls(types: Int[np.ndarray, "2 row col"]) -> Bool[np.ndarray, "2 row col"]:
+    """Grid edges with a side-by-side grid edge at both ends."""
+    grid = types.shape[-1]
+    at_point = np.zeros((grid + 1, grid + 1), bool)
+    bottom, left = types == _SIDE_BY_SIDE
+    at_point[:-1, :-1] |= bottom | left
+    at_point[:-1, 1:] |= bottom
+    at_point[1:, :-1] |= left
+    both = np.zeros(types.shape, bool)
+    both[BOTTOM] = at_point[:-1, :-1] & at_point[:-1, 1:]
+    both[LEFT] = at_point[:-1, :-1] & at_point[1:, :-1]
+    return both
+
+
+def _is_missing_wall(image: GarmentImage, types: np.ndarray, layer: int, wall: Wall) -> bool:
+    """Whether the grid edge lies between two tips of one seam, which it would complete."""
+    slits = []
+    for end in (0, 1):
+        walls = [w for w in _around(types, _ends(wall)[end]) if w != wall and types[w]]
+        if len(walls) != 1 or types[walls[0]] != _SIDE_BY_SIDE:
+            return False
+        slits.append(walls[0])
+    filled = types.copy()
+    filled[wall] = _SIDE_BY_SIDE
+    regions, _ = label_panels(image.inside[layer : layer + 1], filled[None])
+    before, after = _sides(wall)
+    if regions[0][before] == regions[0][after]:
+        return False
+    # The tips of two darts may face each other too, across cloth that is whole.
+    is_cloth = _disagreement(image, layer, wall) < SHARED_TOL
+    return not (is_cloth and all(_disagreement(image, layer, s) > DART_OPENING for s in slits))
+
+
+def _disagreement(image: GarmentImage, layer: int, wall: Wall) -> float:
+    """How far the two cells beside a grid edge differ about its vector, as a share of it."""
+    before, after = _sides(wall)
+    far, near = (2, 0) if wall[0] == BOTTOM else (1, 3)
+    a = image.deformation[layer, far, :, before[0], before[1]].astype(float)
+    b = image.deformation[layer, near, :, after[0], after[1]].astype(float)
+    return float(np.hypot(*(a - b)) / max(np.hypot(*a), np.hypot(*b), 1e-9))
+
+
+def _sides(wall: Wall) -> tuple[tuple[int, int], tuple[int, int]]:
+    """The cell before (below or left of) a grid edge, and the cell that stores it."""
+    h, row, col = wall
+    return ((row - 1, col) if h == BOTTOM else (row, col - 1)), (row, col)
+
+
+def _ends(wall: Wall) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Lattice points (row, col) at both ends of a grid edge."""
+    h, row, col = wall
+    return (row, col), ((row, col + 1) if h == BOTTOM else (row + 1, col))
+
+
+def _inner_edges(inside: Bool[np.ndarray, "row col"]) -> Bool[np.ndarray, "2 row col"]:
+    """Grid edges between two inside cells."""
+    inner = np.zeros((2, *inside.shape), bool)
+    inner[BOTTOM, 1:] = inside[1:] & inside[:-1]
+    inner[LEFT, :, 1:] = inside[:, 1:] & inside[:, :-1]
+    return inner
+
+
+def _around(types: np.ndarray, point: tuple[int, int]) -> list[Wall]:
+    """The stored grid edges at a lattice point."""
+    row, col = point
+    grid = types.shape[-1]
+    edges = ((BOTTOM, row, col), (BOTTOM, row, col - 1), (LEFT, row, col), (LEFT, row - 1, col))
+    return [e for e in edges if 0 <= e[1] < grid and 0 <= e[2] < grid]
+
+
+def _touching(types: np.ndarray, wall: Wall, end: int, kind: int) -> list[Wall]:
+    """Other grid edges of type `kind` at one end of a grid edge."""
+    return [w for w in _around(types, _ends(wall)[end]) if w != wall and types[w] == kind]
