@@ -17,6 +17,8 @@ ROOMS = (
     {"files"},
     {"geometry"},
     {"pattern"},
+    {"body"},
+    {"draft"},
     {"raster"},
     {"metrics", "render", "examples"},
 )

@@ -7,6 +7,7 @@ a seam the same grid edges.
 """
 
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 
@@ -40,8 +41,14 @@ GRIDS = (8, 128)
 """Smallest and largest grid that can be encoded to."""
 FINE_CELLS = 128
 """Fine lattice steps across the grid in the first attempt."""
-ATTEMPTS = ((1.0, 5.0), (1.5, 9.0), (2.0, 16.0))
-"""(factor on the fine lattice, corridor in fine steps), tried in turn."""
+Attempts = tuple[tuple[float, float, bool], ...]
+ATTEMPTS: Attempts = ((1.0, 5.0, True), (1.5, 9.0, True), (2.0, 16.0, True))
+"""(factor on the fine lattice, corridor in fine steps, arcs leave their nodes in the order that
+their targets have), tried in turn."""
+LAST_ATTEMPTS: Attempts = ((1.5, 9.0, False), (4.0, 40.0, True), (4.0, 40.0, False))
+"""What is left to try when all layouts have failed ..."""
+LAST_LAYOUTS = 3
+"""... on so many of them."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
 LARGER_GRIDS = (32, 64)
@@ -101,8 +108,8 @@ class _Kept:
 
 def _encode(pattern: Pattern, layouts_: _Kept, frame: BodyFrame) -> GarmentImage:
     first: EncodeError | None = None
-    for number, layout in enumerate(layouts_):
-        for paths in _drawings(layout, frame, ATTEMPTS if number == 0 else ATTEMPTS[:2]):
+    for layout, attempts in _trials(layouts_):
+        for paths in _drawings(layout, frame, attempts):
             if isinstance(paths, EncodeError):
                 first = first or paths
                 continue
@@ -113,25 +120,33 @@ def _encode(pattern: Pattern, layouts_: _Kept, frame: BodyFrame) -> GarmentImage
     raise first or EncodeError("the pattern has no layout")
 
 
+def _trials(layouts_: _Kept) -> Iterator[tuple[Layout, Attempts]]:
+    """Layouts with the attempts to draw each, most promising first."""
+    for number, layout in enumerate(layouts_):
+        yield layout, ATTEMPTS if number == 0 else ATTEMPTS[:2]
+    for layout in islice(layouts_, LAST_LAYOUTS):
+        yield layout, LAST_ATTEMPTS
+
+
 def _drawings(
-    layout: Layout, frame: BodyFrame, attempts: tuple[tuple[float, float], ...] = ATTEMPTS
+    layout: Layout, frame: BodyFrame, attempts: Attempts
 ) -> Iterator[list[Path] | EncodeError]:
     """Lattice paths of the arcs, best attempt first; failures as they come."""
     whole = drawing_of(layout, frame)
     mirror = find_mirror(layout) if frame.is_symmetric else None
     half = halve(whole, mirror) if mirror is not None else None
     for part in (half, None) if half is not None else (None,):
-        for factor, radius in attempts:
+        for factor, radius, in_order in attempts:
             fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
             try:
                 drawing = whole if part is None else part.drawing
-                paths = joined_links(drawing, lattice_paths(drawing, fine, radius))
+                paths = joined_links(drawing, lattice_paths(drawing, fine, radius, in_order))
                 yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
                 yield error
 
 
-def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
+def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> list[Path]:
     """Paths of the arcs on the image's lattice, grid lines 1 to N - 1, disjoint inside a layer.
 
     Raises:
@@ -139,7 +154,7 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float) -> list[Path]:
     """
     seen = canonical(drawing)
     plain = with_links(seen.drawing)
-    drawn = route(plain, fine, radius)
+    drawn = route(plain, fine, radius, in_order)
     for most in MOST_NEEDED:
         linked = with_bends(plain, most)
         state = _compacted(linked, drawn)

@@ -38,13 +38,14 @@ class FinePaths:
     """Per arc [n, 2]: target of each vertex, in (coarse) lattice coordinates."""
 
 
-def route(drawing: Drawing, fine: int, radius: float) -> FinePaths:
+def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> FinePaths:
     """Draw every arc on the lattice that is `fine` times finer than the image.
 
     Args:
         drawing: what to draw.
         fine: fine steps per cell.
         radius: how far a path may leave its target [fine steps].
+        in_order: arcs leave a node in the cyclic order of their targets; else as they find room.
 
     Raises:
         EncodeError: arcs cannot be kept apart; a finer lattice or another layout may help.
@@ -83,7 +84,7 @@ def route(drawing: Drawing, fine: int, radius: float) -> FinePaths:
         drawing.head,
         drawing.layers,
         drawing.on_axis,
-        departures(drawing),
+        departures(drawing) if in_order else np.full((drawing.arc_count, 2), -1),
         node_xy,
         drawing.node_layers,
         targets - low,
