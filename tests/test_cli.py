@@ -170,6 +170,8 @@ def test_errors_as_json(bad, tmp_path, capsys):
         (["roundtrip", "{}"], "no .json"),
         (["roundtrip", "{}/none"], "none"),
         (["roundtrip", DRESS, "--report", "{}/no/a.json"], "folder"),
+        (["encode", DRESS, "-o", "{}/" + "x" * 300 + ".npz"], "xxx.npz"),
+        (["roundtrip", "{}/" + "x" * 300], "xxx"),
         (["roundtrip", DRESS, "--workers", "-1"], "-1"),
         (["sew", DRESS], "sew"),
         ([], "COMMAND"),

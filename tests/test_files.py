@@ -20,6 +20,13 @@ def test_text_and_bytes_are_written_as_they_are(tmp_path):
     assert (tmp_path / "b").read_bytes() == b"\x00\xff"
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links of Unix")
+def test_links_that_go_in_circles_are_refused(tmp_path):
+    (tmp_path / "a").symlink_to("a")
+    with pytest.raises(OutputError, match="choose another place"):
+        write_atomically(tmp_path / "a", "x")
+
+
 def test_a_file_is_replaced_whole_and_keeps_its_permissions(tmp_path):
     path = tmp_path / "a"
     path.write_text("old and long")

@@ -40,7 +40,7 @@ def write_atomically(path: str | os.PathLike[str], data: bytes | str) -> None:
             target.write_bytes(raw)
         else:
             _replace(target, raw)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: links that go in circles
         if isinstance(error, OutputError):
             raise
         reason = getattr(error, "strerror", None) or str(error)

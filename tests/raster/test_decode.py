@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from garmentimage.errors import DecodeError, GarmentImageError, ImageError
+from garmentimage.examples import example_path
 from garmentimage.geometry.polygons import centroid
 from garmentimage.metrics.roundtrip import judge
 from garmentimage.pattern.check import check_pattern
@@ -14,7 +15,8 @@ from garmentimage.pattern.spec import read_pattern
 from garmentimage.raster.cells import cell_mesh
 from garmentimage.raster.decode import decode, unfold_cells
 from garmentimage.raster.encode import encode
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType, PanelMark
+from garmentimage.raster.frame import BodyFrame
+from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType, GarmentImage, PanelMark
 from garmentimage.raster.repair import LEVELS, repair
 from tests.corpus import corpus_sample
 from tests.garments import garments
@@ -227,15 +229,35 @@ def test_parts_of_a_split_panel_are_joined_along_the_cut():
 
 def test_names_say_what_where_and_whose_side():
     empty = ["." * 16]
-    rows = [*empty * 2, ".....aaaaaa.....", "bbbbbaaaaaaccccc", *[".....aaaaaa....."] * 2]
-    rows += [".....wwwwww....."] + ["....llll.mmmm..."] * 7 + empty * 2
+    rows = [*empty * 4, "bbbbbaaaaaaccccc", *[".....aaaaaa....."] * 3]
+    rows += [".....wwwwww....."] + ["....llll.mmmm..."] * 5 + empty * 2
     shirt = board(" ".join(rows), " ".join(rows), sewn_around=True)
     names = {p.name for p in decode(shirt.to_channels()).panels}
-    fronts = {"front_bodice", "waistband_front"}
+    fronts = {"bodice_front", "waistband_front"}
     for side in ("left", "right"):
         fronts |= {f"{side}_sleeve_front", f"{side}_leg_front"}
     assert {n for n in names if "front" in n} == fronts
     assert {n.replace("back", "front") for n in names} == fronts
+
+
+def test_a_panel_with_trousers_is_that_of_a_jumpsuit():
+    empty = ["." * 16] * 2
+    trunk, legs = [".....aaaaaa....."] * 6, [".....aa..aa....."] * 6
+    for below, kind in ((legs, "jumpsuit"), ([".....aaaaaa....."] * 6, "dress")):
+        rows = " ".join([*empty, *trunk, *below, *empty])
+        names = {p.name for p in decode(board(rows, rows, sewn_around=True)).panels}
+        assert names == {f"{kind}_front", f"{kind}_back"}
+
+
+@pytest.mark.parametrize(
+    ("example", "body"),
+    [("cutout_top", "bodice"), ("darted_shirt", "bodice"), ("dress", "dress"), ("trousers", None)],
+)
+def test_without_marks_panels_get_the_names_that_their_maker_gave_them(example, body):
+    pattern, _ = read_pattern(example_path(example))
+    names = {p.name for p in decode(encode(pattern).to_channels()).panels}
+    whole = {"front": f"{body}_front", "back": f"{body}_back"}
+    assert names == {whole.get(p.name, p.name) for p in pattern.panels}
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -305,3 +327,12 @@ def test_real_images_pass_through_repair_unchanged_and_come_back():
             assert repair(image.to_channels(), level)[0].same_channels(image), path
         check_pattern(decode(image))
         check_pattern(decode(image.without_marks()))
+
+
+def test_an_image_that_falls_into_thousands_of_parts_is_refused_at_once():
+    walls = np.full((2, 2, 64, 64), EdgeType.NON_STITCH, np.int8)
+    inside = np.ones((2, 64, 64), bool)
+    deformation = np.zeros((2, 4, 2, 64, 64), np.float32)
+    image = GarmentImage(inside, walls, deformation, BodyFrame.standard(64))
+    with pytest.raises(DecodeError, match="8192 parts"):
+        decode(image, repair="none")

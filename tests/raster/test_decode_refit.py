@@ -112,6 +112,11 @@ def test_edges_pass_on_from_point_to_point_whatever_the_run(points):
         assert part.curves[0].end == pytest.approx(tuple(run[part.last]))
 
 
+def test_run_that_comes_and_goes_about_its_start_is_cut_too():
+    run = np.array([[0.0, 0], [1, 0], [0, 0], [-1, 0], [0, 0]])
+    assert cut_run((run,))[-1].last == len(run) - 1
+
+
 def test_run_without_a_good_curve_is_never_worse_than_its_polyline():
     zigzag = np.array([[0.0, 0], [5, 6], [10, 0], [15, 6], [20, 0], [25, 6]])
     drawn = np.concatenate([p.curves[0].sample(20) for p in cut_run((zigzag,))])

@@ -2,6 +2,7 @@
 
 import io
 import json
+import tracemalloc
 import zipfile
 from dataclasses import fields, replace
 
@@ -148,6 +149,7 @@ def test_arrays_that_are_not_what_they_should_be_are_named(saved, name, array, w
         ({"matrix": [[1, 0]]}, "matrix"),
         ({"anchor": [1, None]}, "anchor"),
         ({"anchor": [1, float("inf")]}, "anchor"),
+        ({"anchor": [1, 10**400]}, "anchor"),
         ({"rotation": [1, 2]}, "rotation"),
         ({"grain": "up"}, "grain"),
     ],
@@ -332,6 +334,34 @@ def test_a_zip_bomb_is_not_unpacked(tmp_path, saved):
                 new.writestr(info.filename, old.read(info))
     assert bomb.stat().st_size < 2**20
     assert "unpacks to more" in refusal(bomb)
+
+
+@pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_zip_bomb_that_lies_about_its_size_costs_no_memory(saved, packing):
+    with zipfile.ZipFile(saved) as old:
+        rest = {n: old.read(n) for n in old.namelist() if n != "inside.npy"}
+    with zipfile.ZipFile(saved, "w", packing) as new:
+        for name, data in rest.items():
+            new.writestr(name, data)
+        new.writestr("inside.npy", bytes(200 * 2**20))
+    raw = bytearray(saved.read_bytes())
+    size = raw.rindex(b"inside.npy") - 46 + 24  # of the member, in the central directory
+    raw[size : size + 4] = (1000).to_bytes(4, "little")
+    saved.write_bytes(raw)
+    tracemalloc.start()
+    refusal(saved)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 50 * 2**20
+
+
+@pytest.mark.parametrize("shape", [(0, 10**30), (1,) * 70, (True, True)])
+def test_a_shape_that_no_array_can_have_is_refused(tmp_path, shape):
+    stream = io.BytesIO()
+    header = {"descr": "|b1", "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(stream, header)
+    (tmp_path / "odd.npy").write_bytes(stream.getvalue() + bytes(0 if 0 in shape else 1))
+    refusal(tmp_path / "odd.npy")
 
 
 @in_one_folder

@@ -6,6 +6,7 @@ header is believed only when the data that follows has exactly the size it tells
 
 import io
 import math
+import os
 import struct
 import tokenize
 import zipfile
@@ -48,8 +49,8 @@ def read_file(path: Path) -> bytes:
     """
     try:
         if not path.is_file():
-            reason = "is a folder" if path.is_dir() else "there is no such file"
-            raise ImageError(f"{shown_path(path)}: {reason}")
+            reason = "is no ordinary file" if os.path.lexists(path) else "there is no such file"
+            raise ImageError(f"{shown_path(path)}: {'is a folder' if path.is_dir() else reason}")
         size = path.stat().st_size
         if size > FILE_LIMIT:
             raise ImageError(

@@ -68,6 +68,9 @@ STRAIGHTEN_ROUNDS = 4
 
 SMALLEST_PANEL_CM2 = 1e-3
 
+MOST_PANELS = 1000
+"""An image in more parts than this is noise; garments have up to 50 panels."""
+
 
 def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") -> Pattern:
     """The sewing pattern that an image shows.
@@ -83,12 +86,17 @@ def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") ->
 
     Raises:
         ImageError: the array has a wrong shape or values that are not finite.
-        DecodeError: the image is empty, or a panel crosses itself whatever is tried.
+        DecodeError: the image is empty or mere noise, or a panel crosses itself whatever is tried.
     """
     image, _ = repair_image(image, level=repair)
     if not image.inside.any():
         raise DecodeError("the image is empty: no cell is inside a panel")
     labels, panel_count = label_panels(image.inside, image.edge_type)
+    if panel_count > MOST_PANELS:
+        raise DecodeError(
+            f"the image is in {panel_count} parts, and no garment has more than {MOST_PANELS} "
+            "panels; check the order of its channels"
+        )
     marks = _marks_of_clusters(image, labels, panel_count)
     layer_of = np.empty(panel_count, np.int64)
     layer_of[labels[labels >= 0]] = np.nonzero(labels >= 0)[0]

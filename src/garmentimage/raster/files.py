@@ -87,7 +87,10 @@ def load_image(path: str | Path, *, order: ChannelOrder | str | None = None) -> 
             return _from_arrays(parse_npz(data, shown_path(path), _ARRAYS), path)
         except ImageError as error:
             raise _naming(path, error) from None
-    raise ImageError(f"{shown_path(path)}: not an .npz or .npy file")
+    raise ImageError(
+        f"{shown_path(path)}: not an .npz or .npy file; `garmentimage encode` turns a pattern into "
+        "one"
+    )
 
 
 def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) -> np.ndarray:
@@ -156,7 +159,7 @@ def _from_arrays(arrays: dict[str, np.ndarray], path: Path) -> GarmentImage:
     ):
         if array.shape != shape or array.dtype.kind not in kinds:
             raise ImageError(f"array {name!r} is {array.dtype} {array.shape}, wanted {shape}")
-        if array.dtype.kind == "f" and not np.isfinite(array).all():
+        if array.dtype.kind == "f" and not (np.abs(array) <= np.finfo(np.float32).max).all():
             raise ImageError(f"array {name!r} holds values that are not finite")
     if edge_type.min() < 0 or edge_type.max() >= len(EdgeType):
         raise ImageError(f"array 'edge_type' holds values outside 0..{len(EdgeType) - 1}")
@@ -170,7 +173,8 @@ def _from_arrays(arrays: dict[str, np.ndarray], path: Path) -> GarmentImage:
     if not isinstance(marks, list) or len(marks) > inside.size:
         raise ImageError("'marks' must be a list, with no more marks than cells")
     return GarmentImage(
-        inside=inside,
+        # A copy: for arrays that cannot be written to, all code would be compiled once more.
+        inside=inside.copy(),
         edge_type=edge_type.astype(np.int8),
         deformation=deformation.astype(np.float32),
         frame=BodyFrame(tuple(map(float, arrays["columns"])), tuple(map(float, arrays["rows"]))),

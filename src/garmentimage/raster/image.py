@@ -111,6 +111,10 @@ class GarmentImage:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        size = f"{self.grid} x {self.grid}, {self.layers} layers"
+        return f"GarmentImage({self.name!r}, {size}, {int(self.inside.sum())} cells inside)"
+
     def same_channels(self, other: "GarmentImage") -> bool:
         """Equal in flags, edge types and deformation, whatever the metadata."""
         return (
@@ -185,7 +189,7 @@ def check_channels(array: np.ndarray) -> np.ndarray:
     """`array` as float64 [17 L, N, N], or an ImageError that says what is wrong with it."""
     try:
         array = np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ImageError(f"channels are not an array of numbers: {error}") from None
     if array.ndim != 3 or array.shape[1] != array.shape[2]:
         raise ImageError(f"channels have shape {array.shape}; wanted [17 x layers, N, N]")
@@ -194,6 +198,6 @@ def check_channels(array: np.ndarray) -> np.ndarray:
         raise ImageError(f"{count} channels; each layer has {CHANNELS_PER_LAYER} (34 for two)")
     if not GRID_LIMITS[0] <= grid <= GRID_LIMITS[1]:
         raise ImageError(f"a grid of {grid} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")
-    if not np.isfinite(array).all():
-        raise ImageError("channels hold values that are not finite (NaN or infinity)")
+    if not (np.abs(array) <= np.finfo(np.float32).max).all():
+        raise ImageError("channels hold values that are not finite (NaN, infinity or over 3e38)")
     return array

@@ -360,7 +360,7 @@ def _fit_bezier(points, shares, length, order, controls):  # type: ignore[no-unt
             px, py = _bezier(points, controls, order, k / _TABLE)
             table[k] = table[k - 1] + np.hypot(px - x, py - y)
             x, y = px, py
-        if not table[-1] <= STRETCH_LIMIT * length:
+        if not 0.0 < table[-1] <= STRETCH_LIMIT * length:
             return np.inf
         error = 0.0
         k = 0
