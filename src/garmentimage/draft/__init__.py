@@ -1,0 +1,1 @@
+"""Patterns made from measurements, designs and templates."""
