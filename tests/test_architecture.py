@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+import garmentimage
+
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "garmentimage"
 
@@ -88,6 +90,10 @@ def run_python(code: str) -> str:
     return subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     ).stdout
+
+
+def test_every_public_name_is_there():
+    assert all(hasattr(garmentimage, name) for name in garmentimage.__all__)
 
 
 def test_importing_loads_nothing_heavy():

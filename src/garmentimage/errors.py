@@ -7,6 +7,7 @@
     ├── ImageError              a raster that is not a GarmentImage (ValueError)
     ├── EncodeError             a pattern that does not fit the raster (ValueError)
     ├── DecodeError             a raster that no garment can be read from (ValueError)
+    ├── DraftError              a body or a design that no garment can be drafted from (ValueError)
     └── OutputError             a result that cannot be written where it should go (OSError)
 
 Each message is one sentence or two: what is wrong, where (file, panel, edge), and a way out.
@@ -46,6 +47,10 @@ class EncodeError(GarmentImageError, ValueError):
 
 class DecodeError(GarmentImageError, ValueError):
     """An image from which no garment can be read."""
+
+
+class DraftError(GarmentImageError, ValueError):
+    """A body or a design that no garment can be drafted from."""
 
 
 class OutputError(GarmentImageError, OSError):
