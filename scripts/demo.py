@@ -15,7 +15,7 @@ GRID = 16
 def main(folder: Path) -> int:
     """Make the files of every example in `folder`; 1 where a pattern does not come back."""
     folder.mkdir(parents=True, exist_ok=True)
-    print("Compiling, once: a minute or two; later runs start at once.", flush=True)
+    print("Compiling, the first time only: about a minute of one core ...", flush=True)
     start = perf_counter()
     gi.decode(gi.encode(gi.load_pattern(example_path(example_names()[0])), grid=GRID))
     print(f"Ready after {perf_counter() - start:.0f} s.")
@@ -39,16 +39,22 @@ def main(folder: Path) -> int:
         )
         result = judge(pattern, again)
         failed += not result.success
-        verdict = "the same garment came back" if result.success else "; ".join(result.reasons)
+        verdict = (
+            "the same panels and seams came back, boundaries within "
+            f"{10 * result.boundary_gap:.1f} mm"
+            if result.success
+            else "; ".join(result.reasons)
+        )
         print(
             f"\n{name}: {len(pattern.panels)} panels and {len(pattern.stitches)} stitches on "
             f"{int(image.inside.sum())} cells; {verdict} "
             f"(mean panel IoU {sum(result.iou.values()) / len(result.iou):.3f}, "
             f"{1000 * (between - start):.0f} ms there, {1000 * (end - between):.0f} ms back)\n"
             f"  {folder / name}.npz           the GarmentImage\n"
-            f"  {folder / name}-decoded.json  the pattern that it holds, for any GarmentCode tool\n"
+            f"  {folder / name}-decoded.json  the pattern in it, as GarmentCode writes it\n"
             f"  {folder / name}.png           the way there and back, drawn"
         )
+    print("\nImages keep no notches and no names of edges: docs/formats.md says what else.")
     return int(failed > 0)
 
 

@@ -2,8 +2,10 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -12,7 +14,9 @@ from garmentimage import __version__, load_image, load_pattern
 from garmentimage.cli import main
 from garmentimage.errors import PatternError
 from garmentimage.examples import example_path
+from garmentimage.metrics import summary_table
 from garmentimage.pattern.spec import read_pattern
+from garmentimage.terminal import Exit
 from tests.corpus import unpacked
 
 DRESS = str(example_path("dress"))
@@ -137,6 +141,22 @@ def test_results_as_json(tmp_path, capsys):
     facts = json.loads(text)
     assert code == 0
     assert (facts["out"], facts["grid"], facts["layers"]) == (str(out), 32, 2)
+
+
+def test_files_taken_for_patterns_are_told_what_they_are(image, tmp_path, capsys):
+    channels, picture = tmp_path / "a.npy", tmp_path / "a.png"
+    assert run("encode", DRESS, "-o", channels, capsys=capsys)[0] == 0
+    assert run("show", image, "-o", picture, capsys=capsys)[0] == 0
+    for path, word in ((image, "decode"), (channels, "decode")):
+        code, _, err = run("encode", path, "-o", tmp_path / "b.npz", capsys=capsys)
+        assert code == 2
+        assert_one_sentence(err, path, "image", word)
+    code, _, err = run("check", picture, capsys=capsys)
+    assert code == 2
+    assert_one_sentence(err, picture, "picture")
+    code, _, err = run("decode", DRESS, "-o", tmp_path / "b.json", capsys=capsys)
+    assert code == 2
+    assert_one_sentence(err, DRESS, "encode")
 
 
 @pytest.mark.parametrize("command", ["encode", "show"])
@@ -265,6 +285,42 @@ def test_names_that_the_terminal_cannot_show_are_escaped(tmp_path):
     )
     assert done.returncode == 2
     assert_one_sentence(done.stderr.decode("ascii"), "stitch 0")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="process groups of Unix")
+@pytest.mark.parametrize("wait_s", [0.3, 1, 2, 3])
+def test_ctrl_c_ends_a_run_in_processes_without_a_traceback(wait_s, tmp_path):
+    """A terminal sends Ctrl-C to the workers, too, whatever they are at: starting, say."""
+    for k in range(200):
+        (tmp_path / f"{k}.json").write_bytes(example_path("dress").read_bytes())
+    arguments = ["roundtrip", str(tmp_path), "--workers", "2"]
+    code = (
+        "import sys; from garmentimage.cli import main; print('here', flush=True); "
+        f"sys.exit(main({arguments!r}))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout.readline() == "here\n"
+    time.sleep(wait_s)
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (Exit.INTERRUPTED, "")
+    assert_one_sentence(err, "stopped")
+
+
+def test_the_help_of_roundtrip_explains_every_column_of_its_table(capsys):
+    code, out, _ = run("roundtrip", "--help", capsys=capsys)
+    head = summary_table([])
+    assert code == 0
+    for column in ("kind", "success", "no marks", "cut", "IoU", "gap cm", "seams", "ms", "errors"):
+        assert column in head
+        assert f"\n  {column}  " in out
 
 
 @pytest.mark.corpus

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from garmentimage.geometry.curves import Arc
 from garmentimage.metrics.matching import (
     boundary_distance,
+    boundary_gap,
     iou_matrix,
     match_panels,
     panel_iou,
@@ -32,6 +33,20 @@ def rectangle(width, height, *, x=0.0, y=0.0, name="panel"):
     return Panel(
         name, polygon_loop((x, y), (x + width, y), (x + width, y + height), (x, y + height))
     )
+
+
+def test_gap_is_the_farthest_that_a_boundary_lies_from_the_other():
+    assert boundary_gap(rectangle(10, 20), rectangle(10, 20, x=500)) == pytest.approx(0)
+    assert boundary_gap(rectangle(10, 20), rectangle(16, 28)) == pytest.approx(5)
+    assert boundary_gap(rectangle(10, 20), rectangle(20, 10)) == pytest.approx(5)
+    assert boundary_gap(rectangle(10, 20), rectangle(20, 10), any_pose=True) == pytest.approx(0)
+
+
+def test_a_hole_that_is_missing_is_a_gap():
+    frame = replace(
+        rectangle(40, 40), holes=(polygon_loop((10, 10), (10, 30), (30, 30), (30, 10)),)
+    )
+    assert boundary_gap(frame, rectangle(40, 40)) == pytest.approx(10)
 
 
 def test_iou_aligns_centroids():

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from garmentimage.errors import EncodeError
+from garmentimage.examples import example_path
 from garmentimage.metrics.report import report_to_json
 from garmentimage.metrics.roundtrip import (
     FileReport,
@@ -24,8 +25,10 @@ from garmentimage.metrics.roundtrip import (
 )
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern, Side, Stitch
-from garmentimage.pattern.spec import save_pattern
+from garmentimage.pattern.spec import read_pattern, save_pattern
 from garmentimage.raster import encode as encode_module
+from garmentimage.raster.decode import decode
+from garmentimage.raster.encode import encode
 from tests.metrics.garments import (
     GARMENTS,
     darted_skirt,
@@ -113,6 +116,12 @@ def test_a_panel_upside_down_is_another_garment_in_any_pose():
     assert not judge(skirt, replace(skirt, stitches=stitches), any_pose=True).success
 
 
+def test_seam_lengths_are_compared_between_the_same_seams():
+    """Shoulders and side seams of a sleeveless top are alike but for their lengths."""
+    top, _ = read_pattern(example_path("cutout_top"))
+    assert judge(top, decode(encode(top))).seam_length_deviation < 0.2
+
+
 @pytest.fixture
 def skirt_file(tmp_path):
     folder = tmp_path / "skirts"
@@ -154,6 +163,7 @@ def test_reports_come_in_the_order_of_the_files(skirt_file):
     reports = roundtrip_many([missing, skirt_file], workers=0, progress=seen.append)
     assert [r.file for r in reports] == ["skirts/missing.json", "skirts/skirt.json"]
     assert seen == reports
+    assert [r.is_first for r in reports] == [True, False]
 
 
 def test_a_manifest_tells_designs_with_a_collar(tmp_path):
@@ -166,7 +176,8 @@ def test_a_manifest_tells_designs_with_a_collar(tmp_path):
 
 
 def result_with(*, success, iou):
-    return RoundtripResult(success, () if success else ("why",), (1, 1), iou, 0.1, 1.0, 0.0)
+    reasons = () if success else ("why",)
+    return RoundtripResult(success, reasons, (1, 1), iou, 0.1, 0.3, 1.0, 0.0)
 
 
 @pytest.fixture
@@ -185,10 +196,18 @@ def test_a_summary_has_a_row_for_each_kind_and_one_for_all(reports):
     x, y, everything = summarise(reports)
     assert (x.kind, x.files, x.successes, x.successes_without_marks) == ("x", 2, 1, 0)
     assert x.iou_mean == pytest.approx(0.86)
-    assert (x.iou_min, x.cut_files) == (0.6, 1)
+    assert (x.iou_min, x.boundary_gap, x.cut_files) == (0.6, 0.3, 1)
     assert x.encode_ms == pytest.approx(100)
     assert (y.successes, y.errors, y.iou_mean) == (0, {"EncodeError": 1}, None)
     assert (everything.kind, everything.files, everything.successes) == ("all", 3, 1)
+
+
+def test_median_times_leave_out_the_first_file_of_a_process(reports):
+    one, other, _ = reports
+    (row,) = summarise([replace(one, is_first=True), other])
+    assert row.encode_ms == pytest.approx(150)
+    (row,) = summarise([replace(one, is_first=True)])
+    assert row.encode_ms is None
 
 
 def test_the_table_has_a_line_for_each_row(reports):
@@ -216,8 +235,11 @@ def hang_or_die(item):
 @pytest.mark.slow
 def test_an_item_that_hangs_or_dies_costs_only_itself():
     items = ["a", "b", "hang", "die", "c"]
-    found = dict(map_in_processes(hang_or_die, items, workers=2, time_limit=2.0))
+    outcomes = list(map_in_processes(hang_or_die, items, workers=2, time_limit=2.0))
+    found = {outcome.number: outcome.result for outcome in outcomes}
     assert {k: v for k, v in found.items() if isinstance(v, str)} == {0: "A", 1: "B", 4: "C"}
+    # Two workers, and one in the place of each that was lost.
+    assert sum(outcome.is_first for outcome in outcomes) in (3, 4)
     assert found[2] == Lost("took longer than 2 s and was given up")
     assert found[3] == Lost("the process died (exit code 3)")
 

@@ -1,5 +1,7 @@
 """The channel contract: what each of the 17 channels of a layer holds."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -31,6 +33,11 @@ def test_channels_are_flag_then_types_then_vectors_front_first():
     elsewhere = [0, 1, 0, 0, 0, 1, 0, 0, 0] + [0] * 8
     assert channels[17:, 3, 5].tolist() == elsewhere
     assert channels[:17, 2, 5].tolist() == elsewhere
+
+
+def test_an_image_is_printed_in_one_short_line():
+    shown = repr(replace(one_cell(), name="dress"))
+    assert shown == "GarmentImage('dress', 16 x 16, 2 layers, 1 cells inside)"
 
 
 @given(images())

@@ -5,13 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from matplotlib.transforms import Affine2D
 
 from garmentimage import load_pattern
 from garmentimage.examples import example_names, example_path
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch
 from garmentimage.render.arrange import WORN_LIMIT, arrange, bounds
-from garmentimage.render.flat import seam_numbers
+from garmentimage.render.flat import draw_pattern, seam_numbers
 from tests.garments import garments
+
+HALF_A_NUMBER = 7.0
+"""[pixels at 100 dpi]"""
 
 
 @pytest.fixture(params=example_names())
@@ -113,6 +117,29 @@ def test_stitches_that_follow_each_other_are_one_seam(same_direction):
         pattern, stitches=tuple(replace(s, same_direction=not same_direction) for s in stitches)
     )
     assert set(seam_numbers(crossed).values()) == {1, 2, 3}
+
+
+def test_no_number_touches_the_name_of_its_panel(example):
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5, 4.4))
+    axes = figure.add_axes((0, 0, 1, 1))
+    draw_pattern(example, axes)
+    figure.canvas.draw()
+    names = [t for t in axes.texts if t.get_text() in example.by_name]
+    numbers = [t for t in axes.texts if t.get_text().isdigit()]
+    assert len(names) >= len(example.panels)
+    for name in names:
+        # The box of the letters as if they stood level, and every number seen from there.
+        angle = name.get_rotation()
+        level = Affine2D().rotate_deg_around(*axes.transData.transform(name.get_position()), -angle)
+        name.set_rotation(0)
+        box = name.get_window_extent().padded(HALF_A_NUMBER)
+        name.set_rotation(angle)
+        for number in numbers:
+            assert not box.contains(
+                *level.transform(axes.transData.transform(number.get_position()))
+            )
 
 
 def test_the_two_legs_of_a_dart_share_a_number():

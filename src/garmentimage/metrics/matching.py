@@ -226,6 +226,21 @@ def boundary_distance(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
     )
 
 
+def boundary_gap(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
+    """Largest distance of a boundary point of one panel from the boundary of the other [cm].
+
+    Holes count; the panels lie with their centres of area on each other.
+    """
+    import shapely
+
+    ours, theirs = panel_region(a).boundary, panel_region(b).boundary
+    poses = POSES if any_pose else POSES[:1]
+    return min(
+        float(ours.hausdorff_distance(shapely.transform(theirs, lambda xy, m=pose: xy @ m.T)))
+        for pose in poses
+    )
+
+
 def _boundary_points(panel: Panel, count: int) -> Float[np.ndarray, "n 2"]:
     """Points evenly along the outline, seen from their mean [cm]."""
     polygon = loop_polygon(panel.outline)

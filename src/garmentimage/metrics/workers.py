@@ -2,12 +2,15 @@
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from time import monotonic
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -27,6 +30,17 @@ class Lost:
     reason: str
 
 
+@dataclass(frozen=True)
+class Outcome(Generic[Result]):
+    """What became of one item."""
+
+    number: int
+    """Which item."""
+    result: Result | Lost
+    is_first: bool
+    """The first item of its process, which also paid for imports and compiling."""
+
+
 @dataclass
 class _Worker:
     """One process and the item that it is busy with."""
@@ -35,12 +49,13 @@ class _Worker:
     connection: Connection
     item: int | None = None
     deadline: float = 0.0
-    fresh: bool = True
+    given: int = 0
+    """Items so far."""
 
     def give(self, number: int, item: object, time_limit: float) -> None:
         self.item = number
-        self.deadline = monotonic() + time_limit + (START_ALLOWANCE_S if self.fresh else 0.0)
-        self.fresh = False
+        self.deadline = monotonic() + time_limit + (0.0 if self.given else START_ALLOWANCE_S)
+        self.given += 1
         self.connection.send(item)
 
     def stop(self) -> None:
@@ -51,8 +66,8 @@ class _Worker:
 
 def map_in_processes(
     work: Callable[[Item], Result], items: Sequence[Item], *, workers: int, time_limit: float
-) -> Iterator[tuple[int, Result | Lost]]:
-    """Apply `work` to every item; yield (number of the item, result) as results come.
+) -> Iterator[Outcome[Result]]:
+    """Apply `work` to every item; yield its outcome as outcomes come.
 
     Args:
         work: a function that a fresh process can import; it should not raise.
@@ -84,7 +99,7 @@ def map_in_processes(
                 if isinstance(outcome, Lost):
                     worker.stop()
                     crew[crew.index(worker)] = _hire(work)
-                yield number, outcome
+                yield Outcome(number, outcome, is_first=worker.given == 1)
     finally:
         for worker in crew:
             worker.stop()
@@ -97,7 +112,8 @@ def _hire(work: Callable) -> _Worker:
     before = {name: os.environ.get(name) for name in BLAS_THREADS}
     os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))  # a fresh process reads it as it starts
     try:
-        process.start()
+        with _ctrl_c_held():
+            process.start()
     finally:
         for name, value in before.items():
             if value is None:
@@ -108,8 +124,28 @@ def _hire(work: Callable) -> _Worker:
     return _Worker(process, ours)
 
 
+@contextmanager
+def _ctrl_c_held() -> Iterator[None]:
+    """Ctrl-C waits until the end of the block; processes started in it never hear of it.
+
+    A terminal sends it to every process of a command. Ours ends the workers then; they would only
+    tell where they were. Where signals cannot be held (Windows), `_serve` ignores it a bit later.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # Started with the first process else, and its start would let Ctrl-C through again.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _serve(work: Callable, connection: Connection) -> None:
     """Life of a worker process: take an item, send its result, until the other end is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:
         try:
             item = connection.recv()

@@ -12,6 +12,13 @@ FILE_LIMIT = 100_000_000
 """Bytes of a file."""
 NESTING_LIMIT = 100
 """Objects and lists within each other."""
+OTHER_KINDS = (
+    # (first bytes, what such a file is)
+    (b"\x93NUMPY", "an image (.npy), not a pattern; `garmentimage decode` makes a pattern of it"),
+    (b"PK\x03\x04", "an image (.npz), not a pattern; `garmentimage decode` makes a pattern of it"),
+    (b"\x89PNG", "a picture (PNG), not a pattern; give the file that it was drawn from"),
+)
+"""Files that are taken for patterns by mistake."""
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
@@ -37,6 +44,9 @@ class LongInteger(Exception):
 
 def parse(raw: bytes, **options: Any) -> Any:
     """JSON in UTF-8, UTF-16 or UTF-32; duplicate keys are refused."""
+    for start, kind in OTHER_KINDS:
+        if raw.startswith(start):
+            raise PatternFileError(f"is {kind}")
     if not raw.strip():
         raise PatternFileError("is empty; save the pattern again")
     try:

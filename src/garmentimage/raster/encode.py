@@ -45,7 +45,7 @@ Attempts = tuple[tuple[float, float, bool], ...]
 ATTEMPTS: Attempts = ((1.0, 5.0, True), (1.5, 9.0, True), (2.0, 16.0, True))
 """(factor on the fine lattice, corridor in fine steps, arcs leave their nodes in the order that
 their targets have), tried in turn."""
-LAST_ATTEMPTS: Attempts = ((1.5, 9.0, False), (4.0, 40.0, True), (4.0, 40.0, False))
+LAST_ATTEMPTS: Attempts = ((1.5, 9.0, False),)
 """What is left to try when all layouts have failed ..."""
 LAST_LAYOUTS = 3
 """... on so many of them."""

@@ -9,23 +9,39 @@ import numpy as np
 from jaxtyping import Int
 
 from garmentimage.raster.cells import half_edges
-from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
+from garmentimage.raster.image import LEFT, EdgeType, GarmentImage, PanelMark
 from garmentimage.raster.outlines import Cluster
 
-CROTCH_CM, WAIST_CM, ARMPIT_CM, SHOULDER_CM = 78.0, 100.0, 128.0, 140.0
+CROTCH_CM, SHOULDER_CM = 78.0, 138.0
 """Heights above the floor that tell kinds of panels apart."""
 
-SHOULDER_WIDTH_CM, ELBOW_CM = 19.0, 45.0
-"""A panel wholly beyond the first distance from the body's axis is a sleeve."""
+ARM_CM = (22.0, 105.0)
+"""A panel whose middle lies farther out and higher than this hangs on an arm: panels of the trunk
+have theirs within 20 cm of the axis, wide skirts theirs lower."""
+
+FOREARM_CM = 30.0
+"""A narrow panel on an arm that begins beyond this distance is a cuff."""
+
+HEAD_CM = 133.0
+"""A panel whose middle lies higher is a hood or a collar."""
+
+TRUNK_CM = 95.0
+"""A panel whose middle lies higher, or which reaches nearly to the shoulders, covers the trunk."""
+
+REACH_TOL_CM = 8.0
+"""As much lower than the shoulder a panel may end and still reach it."""
 
 BAND_CM = 14.0
 """A waistband, a collar or a cuff is no wider than this."""
 
+LONGEST_BODICE_CM = 80.0
+"""Longer panels from the shoulder down are those of a dress, or of a jumpsuit."""
+
 CENTRE_TOL_CM = 1.0
 """A panel that reaches farther than this beyond the body's axis on both sides is central."""
 
-SEWN_SHARE = 0.75
-"""A skirt panel is sewn to its neighbour along more of its inner side than this; a leg is not."""
+_LEFT_SIDE, _RIGHT_SIDE = 3, 1
+"""Sides of a cell, as `half_edges` numbers them."""
 
 
 def panel_names(
@@ -72,29 +88,47 @@ def _name(image: GarmentImage, cluster: Cluster) -> str:
     face = "front" if cluster.outward > 0 else "back"
     central = bool(left < -CENTRE_TOL_CM and right > CENTRE_TOL_CM)
     kind = _kind(image, cluster, central=central)
-    if not central:
-        return f"{'left' if left + right > 0 else 'right'}_{kind}_{face}"
-    return f"{face}_{kind}" if kind in ("bodice", "dress", "skirt") else f"{kind}_{face}"
+    if central:
+        return f"{kind}_{face}"
+    return f"{'left' if left + right > 0 else 'right'}_{kind}_{face}"
 
 
 def _kind(image: GarmentImage, cluster: Cluster, *, central: bool) -> str:
-    (left, bottom), (right, top) = _body_box(image, cluster)
+    (left, _), (right, top) = _body_box(image, cluster)
     width, height = np.ptp(cluster.vertices, axis=0)
-    near = min(abs(left), abs(right))
-    if not central and near > SHOULDER_WIDTH_CM and (bottom + top) / 2 > WAIST_CM:
-        return "cuff" if near > ELBOW_CM and width < BAND_CM else "sleeve"
-    if bottom > SHOULDER_CM - CENTRE_TOL_CM:
+    # Cells (row, column), so x is the second; a cell's middle lies half a cell up and right.
+    middle_x, middle_y = image.frame.to_body(cluster.mesh.cells[:, ::-1] + 0.5).mean(axis=0)
+    if not central and abs(middle_x) > ARM_CM[0] and middle_y > ARM_CM[1]:
+        return "cuff" if min(abs(left), abs(right)) > FOREARM_CM and width < BAND_CM else "sleeve"
+    if middle_y > HEAD_CM:
         return "collar" if height < BAND_CM else "hood"
-    if height < BAND_CM and width > 2 * height and top > CROTCH_CM and bottom < ARMPIT_CM:
+    if height < BAND_CM and width > 2 * height and top > CROTCH_CM:
         return "waistband"
-    if top > WAIST_CM + BAND_CM:
-        return "bodice" if bottom > CROTCH_CM - BAND_CM else "dress"
-    return "leg" if not central and _is_leg(image, cluster) else "skirt"
+    legs = _has_legs(image, cluster) if central else _is_leg(image, cluster)
+    if middle_y > TRUNK_CM or top > SHOULDER_CM - REACH_TOL_CM:
+        if height < LONGEST_BODICE_CM:
+            return "bodice"
+        return "jumpsuit" if legs else "dress"
+    if legs:
+        return "trousers" if central else "leg"
+    return "skirt"
+
+
+def _has_legs(image: GarmentImage, cluster: Cluster) -> bool:
+    """Whether an inseam, sewn to the other layer, divides every row of cells below the crotch."""
+    rows, cols = cluster.mesh.cells.T
+    low = [r for r in np.unique(rows) if image.frame.rows[r + 1] <= CROTCH_CM]
+    left = image.edge_type[cluster.layer, LEFT]
+    # The outermost left edge of a row is that of a side seam.
+    return bool(low) and all(
+        (left[r, cols[rows == r][1:]] == EdgeType.FRONT_TO_BACK).any() for r in low
+    )
 
 
 def _is_leg(image: GarmentImage, cluster: Cluster) -> bool:
-    """Whether much of the inner side is sewn to the other layer, as an inseam is, or open."""
+    """Whether the inner side is sewn to the other layer at the hem, as an inseam is."""
     half = half_edges(cluster.mesh, image.edge_type[cluster.layer])
-    inner_side = 3 if _body_box(image, cluster).sum(axis=0)[0] > 0 else 1
-    kinds = half.edge_type[half.side == inner_side]
-    return bool((kinds == EdgeType.SIDE_BY_SIDE).mean() <= SEWN_SHARE)
+    inner = _LEFT_SIDE if _body_box(image, cluster).sum(axis=0)[0] > 0 else _RIGHT_SIDE
+    rows = cluster.mesh.cells[half.cell, 0]
+    lowest = (half.side == inner) & (rows == rows.min())
+    return bool((half.edge_type[lowest] == EdgeType.FRONT_TO_BACK).any())

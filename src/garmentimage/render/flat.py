@@ -3,6 +3,7 @@
 A seam is a run of stitches that follow each other on both sides; it gets one colour and one number.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,8 @@ LETTERING = 6.0
 """Size of names and numbers [points]; names shrink to fit their panel ..."""
 SMALLEST_LETTERING = 3.0
 """... down to this size."""
+NUMBER_SPACE = 1.3
+"""A number's middle keeps this many sizes of the lettering away from a name."""
 _LETTER_WIDTH = 0.62
 """Mean width of a letter, in sizes of the lettering."""
 NUMBER_LIMIT = 60
@@ -60,7 +63,7 @@ def draw_pattern(pattern: Pattern, ax: "Axes", *, arrangement: Arrangement = "wo
         if len(placed) <= NAME_LIMIT:
             _draw_name(p, letter, ax)
         if max(seams.values(), default=0) <= NUMBER_LIMIT:
-            _draw_numbers(p, seams, letter, ax)
+            _draw_numbers(p, seams, letter, ax, named=len(placed) <= NAME_LIMIT)
     if len({p.back for p in placed}) == 2:
         _draw_titles(placed, pad, ax)
     _draw_scale_bar(low, size, ax)
@@ -155,8 +158,13 @@ def _draw_edges(placed: tuple[PlacedPanel, ...], seams: dict[Side, int], ax: "Ax
     )
 
 
-def _draw_numbers(placed: PlacedPanel, seams: dict[Side, int], letter: float, ax: "Axes") -> None:
-    """One number a seam, beside the middle of its longest edge; outside where cloth is narrow."""
+def _draw_numbers(
+    placed: PlacedPanel, seams: dict[Side, int], letter: float, ax: "Axes", *, named: bool
+) -> None:
+    """One number a seam, beside the middle of its longest edge; outside where cloth is narrow.
+
+    A number that would touch the panel's name stands outside, too.
+    """
     longest: dict[int, tuple[float, int]] = {}
     lines = _lines(placed)
     for k, curve in enumerate(placed.panel.curves):
@@ -165,9 +173,12 @@ def _draw_numbers(placed: PlacedPanel, seams: dict[Side, int], letter: float, ax
             longest[number] = (curve.length, k)
     low, high = bounds([placed])
     inset = letter if (high - low).min() > 5 * letter else -letter
+    name = _lettering(placed, letter)
     # A dart has one number for two legs: the longer leg wears it.
     for number, (_, k) in sorted(longest.items()):
         x, y = _beside_edge(placed, lines[k], inset)
+        if named and name.touches(x, y, NUMBER_SPACE * letter):
+            x, y = _beside_edge(placed, lines[k], -abs(inset))
         ax.text(
             x,
             y,
@@ -223,7 +234,28 @@ def _inner_point(placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
     return placed.place(centre[None])[0]
 
 
-def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
+@dataclass(frozen=True)
+class _Lettering:
+    """Where a panel's name stands in the picture."""
+
+    text: str
+    middle: Float[np.ndarray, " 2"]
+    angle: float
+    """Counter-clockwise [degrees]."""
+    length: float
+    """[cm]"""
+    share: float
+    """Size of the letters, in full sizes."""
+
+    def touches(self, x: float, y: float, space: float) -> bool:
+        """Whether a point lies on the line of letters or nearer to it than `space` [cm]."""
+        c, s = np.cos(np.deg2rad(self.angle)), np.sin(np.deg2rad(self.angle))
+        away = np.array([x, y]) - self.middle
+        along, across = abs(c * away[0] + s * away[1]), abs(c * away[1] - s * away[0])
+        return bool(along < self.length / 2 + space and across < space)
+
+
+def _lettering(placed: PlacedPanel, letter: float) -> _Lettering:
     """The name across the panel, or along it where it is too narrow."""
     name = printable(placed.panel.name)
     low, high = bounds([placed])
@@ -232,16 +264,21 @@ def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
     if needed > room:
         length, angle = _long_axis(placed)
         room = 0.8 * length
-    x, y = _inner_point(placed)
+    share = max(min(1.0, room / needed), SMALLEST_LETTERING / LETTERING)
+    return _Lettering(name, _inner_point(placed), angle, needed * share, share)
+
+
+def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
+    name = _lettering(placed, letter)
     ax.text(
-        x,
-        y,
-        name,
+        name.middle[0],
+        name.middle[1],
+        name.text,
         color=INK,
-        fontsize=max(LETTERING * min(1.0, room / needed), SMALLEST_LETTERING),
+        fontsize=LETTERING * name.share,
         ha="center",
         va="center",
-        rotation=angle,
+        rotation=name.angle,
         rotation_mode="anchor",
         parse_math=False,
         zorder=5,

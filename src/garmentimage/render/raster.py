@@ -22,11 +22,13 @@ if TYPE_CHECKING:
 
 LAYER_GAP = 0.09
 """Space between two layers, in grids."""
-TITLE_SHARE, LEGEND_SHARE, EDGE_SHARE = 0.09, 0.13, 0.02
-"""Room above, for the legend below, and below without a legend, in grids."""
+TITLE_SHARE, LEGEND_SHARE, CAPTION_SHARE, EDGE_SHARE = 0.09, 0.19, 0.08, 0.02
+"""Room above, for the legend below, for a caption below, and below without either, in grids."""
 TYPES_HEIGHT = 1 + TITLE_SHARE + LEGEND_SHARE
-CELLS_HEIGHT = 1 + TITLE_SHARE + EDGE_SHARE
+CELLS_HEIGHT = 1 + TITLE_SHARE + CAPTION_SHARE
 """Heights of the drawings of `draw_image` and `draw_cells`, in grids."""
+LEGEND_NOTE = "Colour is the type of a grid edge here; in patterns, with a number, it is the seam."
+CELLS_CAPTION = "Deformation: each cell as its own piece of cloth, all in one scale."
 QUAD_SHARE = 0.8
 """How much of its cell a deformed quadrilateral of middling size fills."""
 _SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
@@ -53,7 +55,8 @@ def draw_image(image: GarmentImage, ax: "Axes", *, legend: bool = True) -> None:
 def draw_cells(image: GarmentImage, ax: "Axes") -> None:
     """Draw the deformation: in every cell the quadrilateral that its four edge vectors make.
 
-    One scale serves the whole image, so a large quadrilateral is a large piece of cloth.
+    One scale serves the whole image, so a large quadrilateral is a large piece of cloth; a caption
+    below says so.
     """
     from matplotlib.collections import PolyCollection
 
@@ -73,7 +76,8 @@ def draw_cells(image: GarmentImage, ax: "Axes") -> None:
                 zorder=2,
             )
         )
-    _frame(image, ax, below=EDGE_SHARE)
+    _write_below(image, ax, 0.05, CELLS_CAPTION)
+    _frame(image, ax, below=CAPTION_SHARE)
 
 
 def _quads(image: GarmentImage, layer: int) -> Float[np.ndarray, "cell 4 2"]:
@@ -175,6 +179,13 @@ def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
             fontsize=6.5,
             va="center",
         )
+    _write_below(image, ax, 0.14, LEGEND_NOTE)
+
+
+def _write_below(image: GarmentImage, ax: "Axes", depth: float, text: str) -> None:
+    """A line of small print in the middle below the grids, `depth` grids down."""
+    middle = (float(_origin(image, image.layers - 1)[0]) + image.grid) / 2
+    ax.text(middle, -depth * image.grid, text, color=FAINT, fontsize=5.5, ha="center", va="center")
 
 
 def _frame(image: GarmentImage, ax: "Axes", below: float) -> None:
