@@ -1,8 +1,8 @@
 # make demo    encode, decode and draw the four bundled patterns
-# make test    all tests that need no pattern files by others
+# make test    all tests that need no pattern files by others: some minutes
 # make check   format, lint, types, quick tests: before every commit
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
-# make picture the picture in the README
+# make picture the pictures in the README
 # make bench   encode, decode, import and start, timed on one core
 
 OLDEST_TO_NEWEST := (3, 11) <= sys.version_info[:2] <= (3, 13)
@@ -35,6 +35,7 @@ corpus: $(VENV)/ready-dev
 picture: $(VENV)/ready
 	$(BIN)/garmentimage show --round-trip src/garmentimage/examples/dress.json \
 		-o docs/pattern-raster-pattern.png
+	$(BIN)/garmentimage gallery -o docs/gallery.png
 
 bench: $(VENV)/ready
 	$(BIN)/python benchmarks/speed.py

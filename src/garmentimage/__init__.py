@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from garmentimage.errors import (
     DecodeError,
+    DraftError,
     EncodeError,
     GarmentImageError,
     ImageError,
@@ -26,29 +27,47 @@ from garmentimage.errors import (
 )
 
 if TYPE_CHECKING:
+    from garmentimage.body.measurements import BodyMeasurements, measurements
+    from garmentimage.draft.kinds import draft as draft_pattern
+    from garmentimage.draft.kinds import kinds
+    from garmentimage.draft.sample import sample
+    from garmentimage.draft.template import Template
     from garmentimage.pattern.model import Pattern
     from garmentimage.pattern.spec import load_pattern, save_pattern
     from garmentimage.raster.decode import decode
     from garmentimage.raster.encode import encode
     from garmentimage.raster.files import load_image, save_image
+    from garmentimage.raster.frame import BodyFrame
     from garmentimage.raster.image import EdgeType, GarmentImage
+    from garmentimage.raster.repair import repair
 
 __version__ = "0.1.0"
 
 _WHERE = {
+    "BodyMeasurements": "garmentimage.body.measurements",
+    "measurements": "garmentimage.body.measurements",
+    "draft_pattern": "garmentimage.draft.kinds:draft",
+    "kinds": "garmentimage.draft.kinds",
+    "sample": "garmentimage.draft.sample",
+    "Template": "garmentimage.draft.template",
     "Pattern": "garmentimage.pattern.model",
     "load_pattern": "garmentimage.pattern.spec",
     "save_pattern": "garmentimage.pattern.spec",
+    "BodyFrame": "garmentimage.raster.frame",
     "GarmentImage": "garmentimage.raster.image",
     "EdgeType": "garmentimage.raster.image",
     "load_image": "garmentimage.raster.files",
     "save_image": "garmentimage.raster.files",
     "encode": "garmentimage.raster.encode",
     "decode": "garmentimage.raster.decode",
+    "repair": "garmentimage.raster.repair",
 }
 
 __all__ = [
+    "BodyFrame",
+    "BodyMeasurements",
     "DecodeError",
+    "DraftError",
     "EdgeType",
     "EncodeError",
     "GarmentImage",
@@ -59,10 +78,16 @@ __all__ = [
     "PatternError",
     "PatternFileError",
     "StitchError",
+    "Template",
     "decode",
+    "draft_pattern",
     "encode",
+    "kinds",
     "load_image",
     "load_pattern",
+    "measurements",
+    "repair",
+    "sample",
     "save_image",
     "save_pattern",
 ]
@@ -70,7 +95,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _WHERE:
-        return getattr(import_module(_WHERE[name]), name)
+        module, _, other_name = _WHERE[name].partition(":")
+        return getattr(import_module(module), other_name or name)
     raise AttributeError(f"module 'garmentimage' has no attribute {name!r}")
 
 

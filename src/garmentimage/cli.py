@@ -32,7 +32,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options, rest = parser.parse_known_args(arguments)
+    if rest and not options.takes_rest:
+        parser.error(f"unrecognized arguments: {' '.join(rest)}")
+    options.rest = rest
     try:
         code = options.run(options)
         sys.stdout.flush()
@@ -69,5 +73,5 @@ def _parser() -> argparse.ArgumentParser:
         sub = verbs.add_parser(command.name, help=command.summary, description=command.summary)
         command.add_arguments(sub)
         sub.add_argument("--json", action="store_true", help="print the result as JSON")
-        sub.set_defaults(run=command.run)
+        sub.set_defaults(run=command.run, takes_rest=command.takes_rest)
     return parser

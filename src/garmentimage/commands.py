@@ -12,6 +12,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from garmentimage.draft_commands import (
+    draft_arguments,
+    gallery_arguments,
+    kinds_arguments,
+    run_draft,
+    run_gallery,
+    run_kinds,
+    run_sample,
+    sample_arguments,
+)
 from garmentimage.errors import GarmentImageError, OutputError, PatternFileError
 from garmentimage.files import shown_path, write_atomically
 from garmentimage.terminal import (
@@ -64,6 +74,8 @@ class Command:
     summary: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], Exit]
+    takes_rest: bool = False
+    """Options that the parser does not know are left to `run`."""
 
 
 # --- check ---------------------------------------------------------------------------------------
@@ -388,5 +400,11 @@ COMMANDS = (
         "encode and decode patterns, and judge what comes back",
         _roundtrip_arguments,
         _roundtrip,
+    ),
+    Command("kinds", "list what can be drafted, with parameters", kinds_arguments, run_kinds),
+    Command("draft", "draft a garment", draft_arguments, run_draft, takes_rest=True),
+    Command("sample", "draw garments at random, from a seed", sample_arguments, run_sample),
+    Command(
+        "gallery", "draw the kinds at low, middle and high values", gallery_arguments, run_gallery
     ),
 )

@@ -134,16 +134,13 @@ class Bezier(_Measured):
 
     def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]:
         """Points at the parameters `t`."""
-        t = np.asarray(t, float)[:, None]
-        p = self.points
-        if len(p) == 3:
-            return (1 - t) ** 2 * p[0] + 2 * t * (1 - t) * p[1] + t * t * p[2]
-        return (
-            (1 - t) ** 3 * p[0]
-            + 3 * t * (1 - t) ** 2 * p[1]
-            + 3 * t * t * (1 - t) * p[2]
-            + t**3 * p[3]
-        )
+        t = np.asarray(t, float)
+        u = 1 - t
+        if len(self.controls) == 1:
+            weights = u * u, 2 * t * u, t * t
+        else:
+            weights = u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t
+        return np.stack(weights, axis=1) @ self.points
 
     def split(self, t: float) -> tuple["Bezier", "Bezier"]:
         """The two parts before and after `t` (de Casteljau)."""

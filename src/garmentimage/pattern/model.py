@@ -239,6 +239,10 @@ def edge_curve(start: Point, end: Point, curvature: Curvature) -> Curve:
             )
 
 
+_STARTS = np.arange(POLYGON_CHORDS) / POLYGON_CHORDS
+"""Parameters at which the chords of a curve begin."""
+
+
 def chord_count(curve: Curve) -> int:
     """Sides of the polygon of `polygon_of` that stand for a curve."""
     return 1 if curve.is_straight else POLYGON_CHORDS
@@ -246,7 +250,7 @@ def chord_count(curve: Curve) -> int:
 
 def polygon_of(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
     """A closed chain of curves as a polygon, not closed [cm]."""
-    return np.concatenate([c.sample(chord_count(c))[:-1] for c in curves])
+    return np.concatenate([[c.start] if c.is_straight else c.at(_STARTS) for c in curves])
 
 
 def curvature_of(curve: Curve) -> Curvature:

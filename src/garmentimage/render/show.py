@@ -97,14 +97,14 @@ def compose(
     return figure
 
 
-def picture_bytes(figure: "Figure", kind: str) -> bytes:
+def picture_bytes(figure: "Figure", kind: str, *, dpi: int = DPI) -> bytes:
     """A figure as the bytes of a "png" or "svg" file, without dates or random names."""
     from matplotlib import rc_context
 
     stream = io.BytesIO()
     metadata = {"Software": None} if kind == "png" else {"Date": None, "Creator": None}
     with rc_context({"svg.hashsalt": "garmentimage"}):
-        figure.savefig(stream, format=kind, dpi=DPI, metadata=metadata)
+        figure.savefig(stream, format=kind, dpi=dpi, metadata=metadata)
     return stream.getvalue()
 
 

@@ -1,0 +1,150 @@
+"""From drawn panels to a pattern: seams are joined, edges cut where their partners end.
+
+Two seams are sewn edge to edge. Where the edges of one seam end elsewhere than those of the other
+(a waist in two panels over a skirt of three), both are cut at all the ends, so that every stitch
+joins one edge to one edge.
+"""
+
+from bisect import bisect_right
+from itertools import accumulate, pairwise
+
+from garmentimage.draft.curves import length_of
+from garmentimage.draft.panel import EdgeRef, PanelDraft, Seam
+from garmentimage.geometry.curves import Curve
+from garmentimage.pattern.model import (
+    Edge,
+    Loop,
+    Panel,
+    Pattern,
+    Side,
+    Stitch,
+    loop_from_curves,
+)
+
+SEAM_TOL = 0.01
+"""Seams that are sewn flat are equally long within this [cm]."""
+_SAME_SHARE = 1e-6
+"""Ends nearer than this share of a seam are one end."""
+
+
+class Assembly:
+    """A garment while it is put together: panels, and what is sewn to what."""
+
+    def __init__(self) -> None:
+        self._panels: dict[str, PanelDraft] = {}
+        self._lengths: dict[EdgeRef, float] = {}
+        self._cuts: dict[EdgeRef, list[float]] = {}
+        self._stitches: list[tuple[tuple[EdgeRef, int], tuple[EdgeRef, int]]] = []
+
+    def add(self, *panels: PanelDraft) -> None:
+        """Take panels in."""
+        for panel in panels:
+            assert panel.name not in self._panels
+            self._panels[panel.name] = panel
+
+    @property
+    def panels(self) -> tuple[PanelDraft, ...]:
+        """The panels so far."""
+        return tuple(self._panels.values())
+
+    def length(self, seam: Seam) -> float:
+        """Length of a seam [cm]."""
+        return sum(self._length(ref) for ref in seam)
+
+    def sew(self, a: Seam, b: Seam, *, fullness: float = 1.0) -> None:
+        """Sew two seams together, the start of one to the end of the other.
+
+        Args:
+            a: edges in the order of their loops.
+            b: edges in the order of their loops; `a` meets them from the last to the first.
+            fullness: how many times as long as `b` the seam `a` is: 1 where nothing is gathered.
+        """
+        backwards = b[::-1]
+        assert abs(self.length(a) - fullness * self.length(b)) <= SEAM_TOL * fullness, (a, b)
+        ends_a, ends_b = self._ends(a), self._ends(backwards)
+        ends = _merged(ends_a, ends_b)
+        pieces_a = self._cut(a, ends_a, ends, backwards=False)
+        pieces_b = self._cut(backwards, ends_b, ends, backwards=True)
+        self._stitches += zip(pieces_a, pieces_b, strict=True)
+
+    def sew_pairs(self, a: PanelDraft, b: PanelDraft, label: str) -> None:
+        """Sew all edges of one label on a panel to those on another, side by side of the wearer."""
+        for side in sorted({n.side for n in a.outline if n.label == label}):
+            self.sew(a.seam(label, side), b.seam(label, side))
+
+    def pattern(self, name: str) -> Pattern:
+        """The finished pattern."""
+        numbers: dict[tuple[EdgeRef, int], Side] = {}
+        panels = [self._panel(draft, numbers) for draft in self._panels.values()]
+        stitches = tuple(Stitch(numbers[a], numbers[b]) for a, b in self._stitches)
+        return Pattern(tuple(panels), stitches, name=name)
+
+    def _panel(self, draft: PanelDraft, numbers: dict[tuple[EdgeRef, int], Side]) -> Panel:
+        curves: list[Curve] = []
+        labels: list[str] = []
+        for k, named in enumerate(draft.outline):
+            ref = EdgeRef(draft.name, k)
+            for piece, curve in enumerate(_split(named.curve, self._cuts.get(ref, []))):
+                numbers[ref, piece] = Side(draft.name, len(curves))
+                curves.append(curve)
+                labels.append(named.label)
+        plain = loop_from_curves(curves)
+        edges = tuple(
+            Edge(e.start, e.end, e.curvature, label) for e, label in zip(plain.edges, labels)
+        )
+        return Panel(
+            draft.name,
+            Loop(plain.vertices, edges),
+            draft.holes,
+            draft.translation,
+            draft.rotation,
+            draft.label,
+            draft.grain,
+        )
+
+    def _length(self, ref: EdgeRef) -> float:
+        if ref not in self._lengths:
+            self._lengths[ref] = length_of(self._panels[ref.panel].outline[ref.number].curve)
+        return self._lengths[ref]
+
+    def _ends(self, seam: Seam) -> list[float]:
+        """Where the edges of a seam end, as shares of its length; starts with 0."""
+        ends = list(accumulate((self._length(ref) for ref in seam), initial=0.0))
+        return [end / ends[-1] for end in ends]
+
+    def _cut(
+        self, seam: Seam, own: list[float], ends: list[float], *, backwards: bool
+    ) -> list[tuple[EdgeRef, int]]:
+        """Cut the edges of a seam at `ends`; the pieces in order."""
+        shares: list[list[float]] = [[] for _ in seam]
+        pieces: list[tuple[int, int]] = []
+        for start, end in pairwise(ends):
+            k = bisect_right(own, (start + end) / 2) - 1
+            pieces.append((k, len(shares[k])))
+            if own[k + 1] - end > _SAME_SHARE:
+                shares[k].append((end - own[k]) / (own[k + 1] - own[k]))
+        for ref, cuts in zip(seam, shares):
+            assert ref not in self._cuts, f"{ref} is sewn twice"
+            self._cuts[ref] = [1 - cut for cut in reversed(cuts)] if backwards else cuts
+        if backwards:
+            return [(seam[k], len(shares[k]) - piece) for k, piece in pieces]
+        return [(seam[k], piece) for k, piece in pieces]
+
+
+def _merged(first: list[float], second: list[float]) -> list[float]:
+    """Ends of both seams in order, near ones as one; starts with 0 and ends with 1."""
+    ends = [0.0]
+    for end in sorted((*first[1:-1], *second[1:-1])):
+        if end - ends[-1] > _SAME_SHARE:
+            ends.append(end)
+    return [*ends, 1.0]
+
+
+def _split(curve: Curve, cuts: list[float]) -> list[Curve]:
+    """The curve cut at the given shares of its length."""
+    parts, done = [], 0.0
+    for cut in cuts:
+        before, curve = curve.split(curve.parameter((cut - done) / (1 - done)))
+        parts.append(before)
+        done = cut
+    return [*parts, curve]

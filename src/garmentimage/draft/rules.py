@@ -1,0 +1,69 @@
+"""What a garment needs so that it can be worn, as rules with a reason."""
+
+from garmentimage.draft.curves import chain_polygon
+from garmentimage.draft.panel import PanelDraft
+from garmentimage.errors import DraftError
+from garmentimage.geometry.polygons import signed_area
+
+HEAD_STRETCH = 1.3
+"""How far a neckline stretches to let the head through; ribbed and bias edges do so easily."""
+NARROWEST_STRAP = 2.5
+"""Shortest shoulder seam that still holds a garment up [cm]."""
+ARM_EASE = 2.0
+"""Least that a sleeve is wider than the arm [cm]."""
+THIGH_EASE = 1.0
+"""Least that a trouser leg is wider than the thigh [cm]."""
+BUST_CLEARANCE = 2.0
+"""A dart ends at least so far from the bust point, or the cloth forms a point [cm]."""
+HOLE_MARGIN = 2.5
+"""Least cloth between a cut-out and the edges of its panel [cm]."""
+
+
+def check_neck(opening: float, head_girth: float) -> None:
+    """Refuse a closed neckline that the head does not pass."""
+    if opening * HEAD_STRETCH < head_girth:
+        raise DraftError(
+            f"the neckline is {opening:.1f} cm round and stretches to "
+            f"{opening * HEAD_STRETCH:.1f} cm, but the head is {head_girth:.1f} cm; make "
+            "neck_width or neck_depth larger"
+        )
+
+
+def check_strap(shoulder_seam: float) -> None:
+    """Refuse a shoulder seam that is too short to hold the garment."""
+    if shoulder_seam < NARROWEST_STRAP:
+        raise DraftError(
+            f"the shoulder seam is {shoulder_seam:.1f} cm long, at least {NARROWEST_STRAP} cm "
+            "hold a garment; make neck_width smaller or shoulder_reach larger"
+        )
+
+
+def check_sleeve(width: float, arm_girth: float) -> None:
+    """Refuse a sleeve that the arm does not pass."""
+    if width < arm_girth + ARM_EASE:
+        raise DraftError(
+            f"the sleeve is {width:.1f} cm round, the arm with {ARM_EASE} cm of ease "
+            f"{arm_girth + ARM_EASE:.1f} cm; make cap_height smaller or armhole_ease larger"
+        )
+
+
+def check_thigh(width: float, thigh_girth: float) -> None:
+    """Refuse a trouser leg that the thigh does not pass."""
+    if width < thigh_girth + THIGH_EASE:
+        raise DraftError(
+            f"the leg is {width:.1f} cm round, the thigh with {THIGH_EASE} cm of ease "
+            f"{thigh_girth + THIGH_EASE:.1f} cm; make hip_ease larger"
+        )
+
+
+def check_outline(panel: PanelDraft) -> None:
+    """Refuse a panel that cannot be cut: its loops touch, or it runs clockwise."""
+    from garmentimage.geometry.crossings import touching_sides
+
+    polygons = [chain_polygon(tuple(named.curve for named in panel.outline))]
+    polygons += [chain_polygon(hole.curves) for hole in panel.holes]
+    if signed_area(polygons[0]) <= 0 or len(touching_sides(polygons)) > 0:
+        raise DraftError(
+            f"these parameters do not go together: the outline of {panel.name} crosses itself; "
+            "bring them nearer to their defaults"
+        )

@@ -1,0 +1,125 @@
+"""Laws of sampling: the same garment for ever, on any number of workers."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from garmentimage import DraftError
+from garmentimage.body.measurements import measurements, presets
+from garmentimage.draft.kinds import KINDS, Kind
+from garmentimage.draft.parameters import Parameter
+from garmentimage.draft.sample import at_level, drafted, drawn_value, sample
+from garmentimage.draft.template import Template
+from garmentimage.pattern.spec import load_pattern, save_pattern
+
+TEMPLATE = Path(__file__).parent / "templates" / "flared_skirt.json"
+LENGTH = Parameter("length", 50.0, "", low=40.0, high=60.0, unit="cm")
+COLLAR = Parameter("collar", "none", "", options=("none", "stand", "shirt"))
+
+
+def records(*arguments, **options):
+    return [(s.record(), s.pattern) for s in sample(*arguments, **options)]
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.sampled_from(["skirt", "pants"]), st.integers(0, 1000), st.integers(1, 5))
+def test_a_garment_depends_on_its_seed_and_index_alone(kind, seed, count):
+    together = records(kind, count, seed)
+    apart = [records(kind, 1, seed, first=k)[0] for k in range(count)]
+    assert together == apart
+
+
+def test_workers_change_nothing():
+    assert records("skirt", 70, 5) == records("skirt", 70, 5, workers=2)
+
+
+def test_other_seeds_and_kinds_give_other_values():
+    one, other = (records("skirt", 1, seed)[0][0]["parameters"] for seed in (1, 2))
+    assert one != other
+
+
+@given(st.integers(0, 10**6))
+def test_a_value_is_within_its_range(seed):
+    random = np.random.default_rng(seed)
+    assert LENGTH.low <= drawn_value(LENGTH, random) <= LENGTH.high
+    assert drawn_value(COLLAR, random) in COLLAR.options
+
+
+def test_ends_of_a_range_and_all_options_occur_and_the_rest_is_even():
+    random = np.random.default_rng(0)
+    values = np.array([drawn_value(LENGTH, random) for _ in range(4000)])
+    for end in (LENGTH.low, LENGTH.high):
+        assert 0.02 < np.mean(values == end) < 0.04
+    inner = values[(values > LENGTH.low) & (values < LENGTH.high)]
+    counts, _ = np.histogram(inner, bins=4, range=(LENGTH.low, LENGTH.high))
+    assert counts.min() > 0.9 * counts.mean()
+    chosen = [drawn_value(COLLAR, random) for _ in range(900)]
+    assert all(chosen.count(option) > 250 for option in COLLAR.options)
+
+
+def test_any_body_draws_all_bodies():
+    bodies = {record["body"] for record, _ in records("skirt", 60, 0, body="any")}
+    assert bodies == set(presets())
+
+
+def test_a_template_is_sampled_like_a_kind():
+    template = Template.read(TEMPLATE)
+    first, again = (records(template, 4, 7) for _ in range(2))
+    assert first == again
+    assert len({str(record["parameters"]) for record, _ in first}) == 4
+
+
+def test_a_saved_sample_still_tells_how_it_was_made(tmp_path):
+    (one,) = sample("pants", 1, 11)
+    save_pattern(one.pattern, tmp_path / "a.json")
+    again = load_pattern(tmp_path / "a.json")
+    assert again.extra["ours"]["draft"] == one.record()
+
+
+def moody(fails):
+    """A kind that refuses its first `fails` drafts."""
+    calls = []
+
+    def make(garment, body, design):
+        calls.append(1)
+        if len(calls) <= fails:
+            raise DraftError("it cannot be worn")
+        KINDS["skirt"].make(garment, body, design)
+
+    skirt = KINDS["skirt"]
+    return Kind("moody", "", skirt.parameters, make, skirt.settled)
+
+
+def test_a_rejected_draw_is_counted_with_its_reason_and_drawn_again():
+    (one,) = sample(moody(3), 1, 0)
+    assert one.rejected == ("it cannot be worn",) * 3
+
+
+def test_a_source_that_never_gives_a_garment_is_given_up():
+    with pytest.raises(DraftError, match="rejected 100 times"):
+        list(sample(moody(10**6), 1, 0))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "sentence"),
+    [
+        (("skrit", 1), {}, "did you mean skirt"),
+        (("skirt", -1), {}, "count is -1"),
+        (("skirt", 1, -5), {}, "seed is -5"),
+        (("skirt", 1), {"body": "mean-femal"}, "mean-female"),
+    ],
+)
+def test_what_cannot_be_sampled_is_told(arguments, options, sentence):
+    with pytest.raises(DraftError, match=sentence):
+        list(sample(*arguments, **options))
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_every_kind_drafts_at_low_middle_and_high_values(kind, level):
+    assert drafted(KINDS[kind], measurements("mean-female"), level).panels
+    values = at_level(KINDS[kind], level)
+    assert values.keys() == KINDS[kind].parameters.keys()

@@ -1,0 +1,92 @@
+"""The verbs that make patterns, as a user types them."""
+
+import json
+
+import pytest
+
+from garmentimage.cli import main
+from garmentimage.pattern.spec import load_pattern
+
+
+def run(capsys, *words):
+    code = main([str(w) for w in words])
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def test_kinds_lists_every_kind_with_ranges(capsys):
+    code, out, _ = run(capsys, "kinds")
+    assert code == 0
+    assert "one-panel-dress: " in out
+    assert "skirt_length" in out
+    code, out, _ = run(capsys, "kinds", "skirt", "--json")
+    (skirt,) = json.loads(out)["kinds"]
+    gores = next(p for p in skirt["parameters"] if p["name"] == "gores")
+    assert gores["options"] == [2, 4, 6, 8]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--param", "gores=6", "skirt_flare=0.3"),
+        ("--param", "gores", "6", "--param", "skirt_flare", "0.3"),
+        ("--gores", "6", "--skirt-flare", "0.3"),
+        ("--gores=6", "--skirt_flare=0.3"),
+    ],
+)
+def test_parameters_can_be_told_in_every_usual_way(capsys, tmp_path, words):
+    code, _, _ = run(capsys, "draft", "skirt", *words, "-o", tmp_path / "a.json")
+    assert code == 0
+    names = [p.name for p in load_pattern(tmp_path / "a.json").panels]
+    assert sum("skirt" in name for name in names) == 6
+
+
+def test_a_negative_value_is_a_value(capsys, tmp_path):
+    for words in (("--skirt-slant", "-5"), ("--param", "skirt_slant", "-5")):
+        assert run(capsys, "draft", "skirt", *words, "-o", tmp_path / "a.json")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("draft", "skrit"), "did you mean skirt"),
+        (("draft", "skirt", "--gorse", "4"), "did you mean gores"),
+        (("draft", "skirt", "--gores", "5"), "choose 2, 4, 6 or 8"),
+        (("draft", "skirt", "--skirt-length", "60"), "from 0.35 to 0.9"),
+        (("draft", "skirt", "--skirt-length"), "has no value"),
+        (("draft", "skirt", "gores", "4"), "is no parameter"),
+        (("draft", "skirt", "--body", "nobody"), "nobody"),
+        (("sample", "skirt", "--count", "-3"), "count is -3"),
+        (("sample", "none.json"), "no such file"),
+    ],
+)
+def test_a_wrong_call_is_one_sentence_and_no_file(capsys, tmp_path, words, sentence):
+    code, _, err = run(capsys, *words, "-o", tmp_path / "a.json")
+    assert code == 2
+    assert sentence in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_verb_without_parameters_refuses_unknown_options(capsys, tmp_path):
+    with pytest.raises(SystemExit) as stop:
+        main(["sample", "skirt", "--gores", "4", "-o", str(tmp_path / "s")])
+    assert stop.value.code == 2
+
+
+def test_sample_writes_patterns_and_their_records(capsys, tmp_path):
+    folder = tmp_path / "made"
+    words = ("sample", "pants", "--count", 3, "--seed", 9, "-o", folder, "--workers", 1)
+    code, out, _ = run(capsys, *words, "--json")
+    assert code == 0
+    assert json.loads(out)["patterns"] == 3
+    lines = [json.loads(line) for line in (folder / "samples.jsonl").read_text().splitlines()]
+    assert [line["index"] for line in lines] == [0, 1, 2]
+    for line in lines:
+        assert load_pattern(folder / line["file"]).panels
+
+
+def test_gallery_draws_a_sheet(capsys, tmp_path):
+    code, _, _ = run(capsys, "gallery", "skirt", "-o", tmp_path / "a.png")
+    assert code == 0
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
