@@ -137,9 +137,9 @@ class Bezier(_Measured):
         t = np.asarray(t, float)
         u = 1 - t
         if len(self.controls) == 1:
-            weights = u * u, 2 * t * u, t * t
+            weights = [u * u, 2 * t * u, t * t]
         else:
-            weights = u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t
+            weights = [u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t]
         return np.stack(weights, axis=1) @ self.points
 
     def split(self, t: float) -> tuple["Bezier", "Bezier"]:
