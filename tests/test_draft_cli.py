@@ -90,3 +90,35 @@ def test_gallery_draws_a_sheet(capsys, tmp_path):
     code, _, _ = run(capsys, "gallery", "skirt", "-o", tmp_path / "a.png")
     assert code == 0
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_body_of_ones_own_is_written_changed_and_drafted_for(capsys, tmp_path):
+    mine = tmp_path / "me.json"
+    assert run(capsys, "bodies", "mean-female", "-o", mine)[0] == 0
+    record = json.loads(mine.read_text())
+    mine.write_text(json.dumps(record | {"waist_girth": record["waist_girth"] + 8}))
+    for body, out in (("mean-female", "a.json"), (mine, "b.json")):
+        words = ("draft", "pants", "--body", body, "-o", tmp_path / out)
+        assert run(capsys, *words)[0] == 0
+    bands = [
+        sum(
+            abs(p.outline.area)
+            for p in load_pattern(tmp_path / name).panels
+            if "waistband" in p.name
+        )
+        for name in ("a.json", "b.json")
+    ]
+    assert bands[1] > bands[0]
+    words = ("sample", "pants", "--body", mine, "-o", tmp_path / "s", "--workers", 1)
+    assert run(capsys, *words)[0] == 0
+    mine.write_text(json.dumps(record | {"waist_girth": 5.0}))
+    code, _, err = run(capsys, "draft", "pants", "--body", mine, "-o", tmp_path / "c.json")
+    assert code == 2
+    assert "waist_girth is 5 cm" in err
+
+
+def test_bodies_lists_all_six(capsys):
+    code, out, _ = run(capsys, "bodies", "--json")
+    assert code == 0
+    assert len(json.loads(out)["bodies"]) == 6
+    assert "hip_girth" in run(capsys, "bodies")[1]

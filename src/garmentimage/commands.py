@@ -13,9 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentimage.draft_commands import (
+    bodies_arguments,
     draft_arguments,
     gallery_arguments,
     kinds_arguments,
+    run_bodies,
     run_draft,
     run_gallery,
     run_kinds,
@@ -402,6 +404,7 @@ COMMANDS = (
         _roundtrip,
     ),
     Command("kinds", "list what can be drafted, with parameters", kinds_arguments, run_kinds),
+    Command("bodies", "list bodies with their measurements", bodies_arguments, run_bodies),
     Command("draft", "draft a garment", draft_arguments, run_draft, takes_rest=True),
     Command("sample", "draw garments at random, from a seed", sample_arguments, run_sample),
     Command(

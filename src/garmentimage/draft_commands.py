@@ -1,9 +1,10 @@
-"""The verbs of the command line that make patterns: kinds, draft, sample, gallery."""
+"""The verbs of the command line that make patterns: kinds, bodies, draft, sample, gallery."""
 
 import argparse
 import json
 import os
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from garmentimage.files import safe_name, shown_path, write_atomically
 from garmentimage.terminal import Exit, print_json, print_written, say
 
 if TYPE_CHECKING:
+    from garmentimage.body.measurements import BodyMeasurements
     from garmentimage.draft.kinds import Kind
     from garmentimage.draft.parameters import Parameter
     from garmentimage.draft.sample import Sample, Source
@@ -74,6 +76,41 @@ def _shown(parameter: "Parameter") -> str:
     return f"{text:36}"
 
 
+# --- bodies --------------------------------------------------------------------------------------
+
+
+def bodies_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `bodies`."""
+    parser.add_argument("body", nargs="?", metavar="BODY", help="only this one, or a file of yours")
+    parser.add_argument(
+        "-o", "--out", type=Path, metavar="OUT.json", help="write its measurements, to be changed"
+    )
+
+
+def run_bodies(options: argparse.Namespace) -> Exit:
+    """List the bodies with their measurements, or write down one."""
+    from garmentimage.body.measurements import presets, save_measurements
+
+    chosen = {options.body: _body(options.body)} if options.body else dict(presets())
+    if options.out:
+        if not options.body:
+            raise DraftError("-o writes the measurements of one body; name it")
+        _check_suffix(options.out)
+        save_measurements(options.out, chosen[options.body])
+        print_written(options, {"measurements": len(asdict(chosen[options.body]))})
+        return Exit.OK
+    if options.json:
+        print_json({"bodies": {name: asdict(body) for name, body in chosen.items()}})
+        return Exit.OK
+    rows = {name: asdict(body) for name, body in chosen.items()}
+    fields = list(next(iter(rows.values())))
+    width = max(map(len, fields))
+    print(" " * width, *(f"{name[:18]:>18}" for name in rows))
+    for field in fields:
+        print(f"{field:{width}}", *(f"{row[field]:18.1f}" for row in rows.values()))
+    return Exit.OK
+
+
 # --- draft ---------------------------------------------------------------------------------------
 
 
@@ -97,11 +134,10 @@ def run_draft(options: argparse.Namespace) -> Exit:
     from garmentimage.draft.kinds import draft
     from garmentimage.pattern.spec import save_pattern
 
-    if options.out.suffix.lower() != ".json":
-        raise OutputError(f"{shown_path(options.out)}: patterns end in .json")
+    _check_suffix(options.out)
     given = _pairs(options.param) | _options(options.rest)
     _kind(options.kind)
-    pattern = draft(options.kind, options.body, **given)
+    pattern = draft(options.kind, _body(options.body), **given)
     save_pattern(pattern, options.out)
     print_written(options, {"panels": len(pattern.panels), "stitches": len(pattern.stitches)})
     return Exit.OK
@@ -152,7 +188,7 @@ def run_sample(options: argparse.Namespace) -> Exit:
     """Draw garments at random and save them with a record of what was drawn."""
     from tqdm import tqdm
 
-    from garmentimage.draft.sample import sample
+    from garmentimage.draft.sample import ANY_BODY, sample
 
     source = _source(options.source)
     out: Path = options.out
@@ -162,7 +198,7 @@ def run_sample(options: argparse.Namespace) -> Exit:
         source,
         options.count,
         options.seed,
-        body=options.body,
+        body=options.body if options.body == ANY_BODY else _body(options.body),
         workers=options.workers,
         first=options.first,
     )
@@ -215,13 +251,12 @@ def gallery_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_gallery(options: argparse.Namespace) -> Exit:
     """Draw kinds at low, middle and high values of all their parameters on one sheet."""
-    from garmentimage.body.measurements import measurements
     from garmentimage.draft.kinds import KINDS
     from garmentimage.draft.sample import drafted
     from garmentimage.render.sheet import show_sheet
 
     chosen = [_kind(name) for name in options.kinds] or list(KINDS.values())
-    body = measurements(options.body)
+    body = _body(options.body)
     rows = {
         kind.name: [drafted(kind, body, level) for _, level in GALLERY_LEVELS] for kind in chosen
     }
@@ -235,8 +270,27 @@ def run_gallery(options: argparse.Namespace) -> Exit:
 
 def _add_body(parser: argparse.ArgumentParser, more: str) -> None:
     parser.add_argument(
-        "--body", default=BODY, metavar="BODY", help=f"name of a shipped body{more} ({BODY})"
+        "--body",
+        default=BODY,
+        metavar="BODY",
+        help=f"a shipped body or a JSON file of measurements{more} ({BODY})",
     )
+
+
+def _body(name: str) -> "BodyMeasurements":
+    """A shipped body, or one from a file."""
+    from garmentimage.body.measurements import load_measurements, measurements
+
+    if name.lower().endswith(".json"):
+        body = load_measurements(name)
+        body.check()
+        return body
+    return measurements(name)
+
+
+def _check_suffix(out: Path) -> None:
+    if out.suffix.lower() != ".json":
+        raise OutputError(f"{shown_path(out)}: the name must end in .json")
 
 
 def _kind(name: str) -> "Kind":

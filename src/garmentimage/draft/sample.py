@@ -45,7 +45,7 @@ class Sample:
     seed: int
     index: int
     body: str | None
-    """Name of the body; a template has none."""
+    """Name of a shipped body; None for a body of one's own, and for a template."""
     parameters: Mapping[str, Any]
     pattern: Pattern
     rejected: tuple[str, ...]
@@ -68,7 +68,7 @@ def sample(
     count: int,
     seed: int = 0,
     *,
-    body: str = DEFAULT_BODY,
+    body: str | BodyMeasurements = DEFAULT_BODY,
     workers: int = 1,
     first: int = 0,
 ) -> Iterator[Sample]:
@@ -78,7 +78,8 @@ def sample(
         source: a name from `kinds()`, a Kind or a Template.
         count: how many.
         seed: the same seed gives the same garments for ever.
-        body: name of a shipped body, or "any" to draw it, too; a template has its own.
+        body: measurements, the name of a shipped body, or "any" to draw among these; a template
+            has its own.
         workers: processes; the garments do not depend on it.
         first: index of the first garment, to go on where another call ended.
 
@@ -90,13 +91,15 @@ def sample(
     for name, number, low in (("count", count, 0), ("first", first, 0), ("seed", seed, 0)):
         if not low <= number < SEED_LIMIT:
             raise DraftError(f"{name} is {number}; give a whole number from {low}")
-    if body != ANY_BODY:
+    if isinstance(body, BodyMeasurements):
+        body.check()
+    elif body != ANY_BODY:
         measurements(body)
     return _samples(found, seed, body, range(first, first + count), workers)
 
 
 def _samples(
-    source: Source, seed: int, body: str, indices: range, workers: int
+    source: Source, seed: int, body: str | BodyMeasurements, indices: range, workers: int
 ) -> Iterator[Sample]:
     if workers <= 1 or len(indices) <= CHUNK:
         for index in indices:
@@ -115,7 +118,9 @@ def _samples(
             yield from waiting.popleft().result()
 
 
-def _chunk(source: str | Template, seed: int, body: str, indices: range) -> list[Sample]:
+def _chunk(
+    source: str | Template, seed: int, body: str | BodyMeasurements, indices: range
+) -> list[Sample]:
     return [_one(_found(source), seed, body, index) for index in indices]
 
 
@@ -127,7 +132,7 @@ def _found(source: str | Source) -> Source:
     return KINDS[source]
 
 
-def _one(source: Source, seed: int, body: str, index: int) -> Sample:
+def _one(source: Source, seed: int, body: str | BodyMeasurements, index: int) -> Sample:
     name = source.name if isinstance(source, Kind) else source.pattern.name
     key = zlib.crc32(name.encode())
     random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, key, index])))
@@ -148,16 +153,19 @@ def _one(source: Source, seed: int, body: str, index: int) -> Sample:
 
 
 def _drawn(
-    source: Source, body: str, random: np.random.Generator
+    source: Source, body: str | BodyMeasurements, random: np.random.Generator
 ) -> tuple[str | None, Mapping[str, Any], Pattern]:
     """The body's name, the values of the parameters, and the garment."""
     if isinstance(source, Template):
         values = source.draw(random)
         return None, values, source.with_values(values)
-    names = sorted(presets())
-    who = names[int(random.random() * len(names))] if body == ANY_BODY else body
+    who = None if isinstance(body, BodyMeasurements) else body
+    if who == ANY_BODY:
+        names = sorted(presets())
+        who = names[int(random.random() * len(names))]
     drawn = {name: drawn_value(p, random) for name, p in source.parameters.items()}
-    return who, drawn, source.draft(measurements(who), drawn)
+    wearer = body if isinstance(body, BodyMeasurements) else measurements(who or DEFAULT_BODY)
+    return who, drawn, source.draft(wearer, drawn)
 
 
 def drawn_value(parameter: Parameter, random: np.random.Generator) -> Value:
