@@ -5,12 +5,16 @@
 Without files, the bundled patterns. Each file is encoded and decoded `--repeats` times after a
 first, untimed time; the table gives the median, the slowest tenth and the worst over the files.
 `--other` names a Python file with a function `encode_file(path, grid)` that runs another encoder:
-its times are taken in turn with ours, in the same process, and the ratio is told.
+its times are taken in turn with ours, in the same process, and the ratio is told (over the files
+that both encode). What encoding's time goes into is told from a profile, and `--folder` measures
+round trips of all files with one process and with one for each core.
 """
 
 import argparse
+import cProfile
 import importlib.util
 import os
+import pstats
 import subprocess
 import sys
 import tempfile
@@ -20,8 +24,9 @@ from time import perf_counter
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported
-if hasattr(os, "sched_setaffinity"):
-    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+CORES = os.sched_getaffinity(0) if hasattr(os, "sched_setaffinity") else set()
+if CORES:
+    os.sched_setaffinity(0, {min(CORES)})
 
 import numpy as np  # noqa: E402
 
@@ -30,6 +35,20 @@ from garmentimage.examples import example_names, example_path  # noqa: E402
 from garmentimage.pattern.spec import read_pattern  # noqa: E402
 
 FRESH_REPEATS = 5
+STAGES = {
+    "placing, splitting, seams": (("place.py", "place"), ("complex.py", "seam_complex")),
+    "layout": (("layout.py", "draw"),),
+    "routing": (("route.py", "route"),),
+    "compaction": (("encode.py", "_compacted"),),
+    "polish": (("polish.py", "polish"),),
+    "symmetry and numbering": (
+        ("symmetry.py", "find_mirror"),
+        ("symmetry.py", "halve"),
+        ("canonical.py", "canonical"),
+    ),
+    "deformation": (("encode.py", "_deform"),),
+}
+"""Functions that the stages of encoding are told from."""
 FRESH = "import garmentimage as gi; gi.decode(gi.encode(gi.load_pattern({path!r}), grid={grid}))"
 
 
@@ -37,7 +56,7 @@ def main() -> None:
     options = arguments()
     paths = pattern_files(options.paths) or [Path(example_path(n)) for n in example_names()]
     other = adapter(options.other) if options.other else None
-    rows: dict[str, list[float]] = {"encode": [], "decode": []} | ({"other": []} if other else {})
+    rows: dict[str, list[float]] = {"encode": [], "decode": [], "other": [], "both": []}
     refused = 0
     for path in paths:
         try:
@@ -48,17 +67,26 @@ def main() -> None:
             continue
         for name, value in times.items():
             rows[name].append(value)
+        if "other" in times:
+            rows["both"].append(times["encode"])
     load = os.getloadavg()[0]
     print(f"{len(paths) - refused} files, N = {options.grid}, one core, load {load:.1f}; in ms\n")
     print(f"{'step':34}{'median':>9}{'90 %':>9}{'worst':>9}")
     for name, values in rows.items():
-        if values:
+        if values and name != "both":
             print_row("other encoder" if name == "other" else name, values)
-    if other and rows["encode"]:
-        ratio = np.median(np.array(rows["other"]) / np.array(rows["encode"]))
+    if rows["other"]:
+        ratio = np.median(np.array(rows["other"]) / np.array(rows["both"]))
         print(f"{'other encoder / encode, median':34}{ratio:9.1f}")
     for name, values in fresh_times(paths[0], options.grid).items():
         print_row(name, values)
+    print("\nshare of encoding, by profile")
+    for name, share in stage_shares(paths, options.grid).items():
+        print(f"{name:34}{share:9.1%}")
+    if options.folder:
+        print(f"\n{len(paths)} round trips, s")
+        for workers, seconds in folder_times(paths, options.grid).items():
+            print(f"{f'{workers} processes':34}{seconds:9.1f}")
 
 
 def arguments() -> argparse.Namespace:
@@ -67,6 +95,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--grid", type=int, default=16)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--other", type=Path)
+    parser.add_argument("--folder", action="store_true", help="measure round trips on all cores")
     return parser.parse_args()
 
 
@@ -93,13 +122,51 @@ def file_times(
     }
     if other:
         steps["other"] = lambda: other(path, grid)
-    for step in steps.values():
-        step()
+    for name, step in list(steps.items()):
+        try:
+            step()
+        except Exception as error:
+            if name != "other":
+                raise
+            print(f"{path.name}: the other encoder fails ({error})", file=sys.stderr)
+            del steps[name]
     taken = {name: [] for name in steps}
     for _ in range(repeats):
         for name, step in steps.items():
             taken[name].append(milliseconds(step))
     return {name: float(np.median(values)) for name, values in taken.items()}
+
+
+def stage_shares(paths: list[Path], grid: int) -> dict[str, float]:
+    """What share of encoding's time each stage takes, over all files."""
+    patterns = [read_pattern(path)[0] for path in paths]
+    profile = cProfile.Profile()
+    for pattern in patterns:
+        try:
+            profile.runcall(gi.encode, pattern, grid=grid)
+        except gi.GarmentImageError:
+            continue
+    taken: dict[tuple[str, str], float] = {}
+    for (file, _, name), row in pstats.Stats(profile).stats.items():  # type: ignore[attr-defined]
+        key = Path(file).name, name
+        taken[key] = taken.get(key, 0.0) + row[3]
+    whole = taken["encode.py", "encode"]
+    shares = {
+        s: sum(taken.get(f, 0.0) for f in functions) / whole for s, functions in STAGES.items()
+    }
+    return shares | {"the rest": 1 - sum(shares.values())}
+
+
+def folder_times(paths: list[Path], grid: int) -> dict[int, float]:
+    """Seconds that the round trips of all files take, start of the processes included."""
+    from garmentimage.metrics.roundtrip import roundtrip_many
+
+    if CORES:
+        os.sched_setaffinity(0, CORES)
+    counts = sorted({1, len(CORES) or os.cpu_count() or 1})
+    return {
+        n: milliseconds(lambda n=n: roundtrip_many(paths, grid, workers=n)) / 1000 for n in counts
+    }
 
 
 def fresh_times(path: Path, grid: int) -> dict[str, list[float]]:
