@@ -295,8 +295,10 @@ def test_ctrl_c_ends_a_run_in_processes_without_a_traceback(wait_s, tmp_path):
     for k in range(200):
         (tmp_path / f"{k}.json").write_bytes(example_path("dress").read_bytes())
     arguments = ["roundtrip", str(tmp_path), "--workers", "2"]
+    # Where tests run in the background, as shells start it, Ctrl-C is ignored from the start.
     code = (
-        "import sys; from garmentimage.cli import main; print('here', flush=True); "
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from garmentimage.cli import main; print('here', flush=True); "
         f"sys.exit(main({arguments!r}))"
     )
     process = subprocess.Popen(
