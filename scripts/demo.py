@@ -7,6 +7,7 @@ from time import perf_counter
 import garmentimage as gi
 from garmentimage.examples import example_names, example_path
 from garmentimage.metrics import judge
+from garmentimage.render.flat import seam_numbers
 from garmentimage.render.show import show
 
 GRID = 16
@@ -22,12 +23,9 @@ def main(folder: Path) -> int:
     failed = 0
     for name in example_names():
         pattern = gi.load_pattern(example_path(name))
-        start = perf_counter()
         image = gi.encode(pattern, grid=GRID)
-        between = perf_counter()
         gi.save_image(image, folder / f"{name}.npz")
         again = gi.decode(gi.load_image(folder / f"{name}.npz"))
-        end = perf_counter()
         gi.save_pattern(again, folder / f"{name}-decoded.json")
         show(
             pattern,
@@ -46,10 +44,10 @@ def main(folder: Path) -> int:
             else "; ".join(result.reasons)
         )
         print(
-            f"\n{name}: {len(pattern.panels)} panels and {len(pattern.stitches)} stitches on "
-            f"{int(image.inside.sum())} cells; {verdict} "
-            f"(mean panel IoU {sum(result.iou.values()) / len(result.iou):.3f}, "
-            f"{1000 * (between - start):.0f} ms there, {1000 * (end - between):.0f} ms back)\n"
+            f"\n{name}: {len(pattern.panels)} panels ({len(pattern.stitches)} stitches, "
+            f"{len(set(seam_numbers(pattern).values()))} seams) on {int(image.inside.sum())} "
+            f"cells; {verdict} "
+            f"(mean panel IoU {sum(result.iou.values()) / len(result.iou):.3f})\n"
             f"  {folder / name}.npz           the GarmentImage\n"
             f"  {folder / name}-decoded.json  the pattern in it, as GarmentCode writes it\n"
             f"  {folder / name}.png           the way there and back, drawn"

@@ -15,6 +15,7 @@ from garmentimage.cli import main
 from garmentimage.errors import PatternError
 from garmentimage.examples import example_path
 from garmentimage.metrics import summary_table
+from garmentimage.metrics.roundtrip import TIME_LIMIT_S
 from garmentimage.pattern.spec import read_pattern
 from garmentimage.terminal import Exit
 from tests.corpus import unpacked
@@ -178,7 +179,12 @@ def test_errors_as_json(bad, tmp_path, capsys):
     ("arguments", "word"),
     [
         (["encode", DRESS, "-o", "{}/a.txt"], ".npz"),
-        (["encode", DRESS, "-o", "{}/no/a.npz"], "folder"),
+        (["encode", DRESS, "-o", "{}/no/a.npz"], "folder {}/no;"),
+        (
+            ["encode", DRESS, "-o", "{}/a.npz", "--gird", "16"],
+            "did you mean --grid; see garmentimage encode --help",
+        ),
+        (["encode", DRESS, DRESS, "-o", "{}/a.npz"], "does not know"),
         (["encode", "{}/none.json", "-o", "{}/a.npz"], "none.json"),
         (["encode", DRESS], "-o"),
         (["encode", DRESS, "-o", "{}/a.npz", "--grid", "17"], "17"),
@@ -198,7 +204,7 @@ def test_errors_as_json(bad, tmp_path, capsys):
     ],
 )
 def test_a_call_that_will_not_do_gets_one_sentence(arguments, word, tmp_path, capsys):
-    arguments = [a.replace("{}", str(tmp_path)) for a in arguments]
+    *arguments, word = (a.replace("{}", str(tmp_path)) for a in [*arguments, word])
     code, out, err = run(*arguments, capsys=capsys)
     assert (code, out) == (2, "")
     assert_one_sentence(err, word)
@@ -231,15 +237,25 @@ def test_roundtrip_of_a_folder(tmp_path, capsys):
     (tmp_path / "dresses").mkdir()
     (tmp_path / "dresses" / "a.json").write_bytes(example_path("dress").read_bytes())
     (tmp_path / "dresses" / "dresses_manifest.json").write_text("[]")
+    (tmp_path / "dresses" / "properties.json").write_text('{"size": 1}')
     report = tmp_path / "report.json"
-    code, out, _ = run(
+    code, out, err = run(
         "roundtrip", tmp_path / "dresses", "--report", report, "--workers", 0, capsys=capsys
     )
     assert code == 0
     assert "dresses" in out
+    assert_one_sentence(err, tmp_path / "dresses", "2 files hold no pattern, skipped")
     data = json.loads(report.read_text())
     assert [f["file"] for f in data["files"]] == ["dresses/a.json"]
     assert data["grid"] == 16
+
+
+def test_a_file_named_by_itself_is_never_skipped(tmp_path, capsys):
+    path = tmp_path / "properties.json"
+    path.write_text('{"size": 1}')
+    code, _, err = run("roundtrip", path, "--workers", 0, capsys=capsys)
+    assert code == 1
+    assert_one_sentence(err, "properties.json", "pattern")
 
 
 def test_roundtrip_ends_with_1_where_a_pattern_does_not_come_back(bad, capsys):
@@ -323,6 +339,8 @@ def test_the_help_of_roundtrip_explains_every_column_of_its_table(capsys):
     for column in ("kind", "success", "no marks", "cut", "IoU", "gap cm", "seams", "ms", "errors"):
         assert column in head
         assert f"\n  {column}  " in out
+    assert "Lost" in out
+    assert f"{TIME_LIMIT_S:g} s" in out
 
 
 @pytest.mark.corpus

@@ -1,21 +1,33 @@
 """The documents: what stands in them runs as it is written."""
 
+import ast
+import inspect
+import itertools
 import json
 import re
 import shlex
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+import shapely
 
+from garmentimage.body.measurements import NAMES, BodyMeasurements
 from garmentimage.cli import main
-from garmentimage.pattern.spec import pattern_from_spec, pattern_to_spec
+from garmentimage.examples import example_path
+from garmentimage.geometry.polygons import centroid
+from garmentimage.pattern.spec import load_pattern, pattern_from_spec, pattern_to_spec
+from garmentimage.raster.decode import decode
+from garmentimage.raster.encode import encode
+from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import PanelMark
 from garmentimage.raster.marks import mark_from_json
 from tests.metrics.garments import darted_skirt
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+BODIES = (ROOT / "docs" / "bodies.md").read_text(encoding="utf-8")
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 
 
@@ -40,7 +52,10 @@ def test_the_commands_of_the_readme_run_as_written(tmp_path, monkeypatch, capsys
     exec(code, {})
     assert Path("out", "dress-again.json").is_file()
     for line in "".join(commands).splitlines():
-        program, *arguments = shlex.split(line, comments=True)
+        words = shlex.split(line, comments=True)
+        if not words:
+            continue
+        program, *arguments = words
         assert program == "garmentimage"
         assert main(arguments) == 0, line
     assert "Traceback" not in capsys.readouterr().err
@@ -53,6 +68,49 @@ def test_the_mark_in_the_formats_has_every_field():
     assert mark_from_json(mark, layers=2, grid=16).name == "left_sleeve_back"
     for field in mark:
         assert f"`{field}`" in FORMATS
+
+
+def test_the_frame_in_the_formats_is_the_standard_one():
+    table = re.findall(r"^\| (\d+) \| ([-.\d]+) \| ([-.\d]+) \|$", FORMATS, re.MULTILINE)
+    lines = [(int(k), float(x), float(y)) for k, x, y in table if k != x]
+    frame = BodyFrame.standard(16)
+    assert lines == list(zip(range(17), frame.columns, frame.rows))
+    for grid in (8, 32, 50):
+        places = 16 * np.arange(grid + 1) / grid
+        for own, told in zip((frame.columns, frame.rows), list(zip(*lines))[1:]):
+            wanted = np.interp(places, np.arange(17), told)
+            finer = BodyFrame.standard(grid)
+            assert np.allclose(wanted, finer.columns if own is frame.columns else finer.rows)
+
+
+def test_a_mark_leads_to_the_panels_own_coordinates_as_the_formats_say():
+    """On a hole off the middle: holes are filled before the centroid is taken."""
+    pattern = load_pattern(example_path("cutout_top"))
+    panel = pattern.by_name["front"]
+    image = encode(pattern)
+    mark = next(m for m in image.marks if m.name == "front")
+    bare = decode(image.without_marks()).by_name
+    (decoded,) = (p for p in bare.values() if p.holes)
+    cloth = shapely.Polygon(panel.outline.polygon, [hole.polygon for hole in panel.holes])
+    q = decoded.outline.polygon
+    matrix = np.array(mark.matrix)
+    own = (q - centroid(q)) @ matrix + np.array(mark.anchor)
+    assert np.allclose(mark.anchor, centroid(panel.outline.polygon), atol=0.05)
+    assert np.hypot(*(np.array(mark.anchor) - np.array(cloth.centroid.coords[0]))) > 0.1
+    assert np.allclose(own.min(axis=0), panel.outline.polygon.min(axis=0), atol=0.3)
+    assert np.allclose(own.max(axis=0), panel.outline.polygon.max(axis=0), atol=0.3)
+
+
+def test_the_bodies_table_says_what_the_class_says():
+    """Every field of `BodyMeasurements` with the words below it, in order."""
+    body = ast.parse(inspect.getsource(BodyMeasurements)).body[0].body
+    fields = [
+        (field.target.id, words.value.value)
+        for field, words in itertools.pairwise(body)
+        if isinstance(field, ast.AnnAssign)
+    ]
+    assert len(fields) == len(NAMES)
+    assert re.findall(r"^\| `(\w+)` \| (.*) \|$", BODIES, re.MULTILINE) == fields
 
 
 def test_the_field_in_the_formats_can_be_read():

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from garmentimage.cli import main
+from garmentimage.examples import example_path
 from garmentimage.pattern.spec import load_pattern
 
 
@@ -58,6 +59,7 @@ def test_a_negative_value_is_a_value(capsys, tmp_path):
         (("draft", "skirt", "--body", "nobody"), "nobody"),
         (("sample", "skirt", "--count", "-3"), "count is -3"),
         (("sample", "none.json"), "no such file"),
+        (("draft", "tee", "--body", str(example_path("dress"))), "is a pattern, not measurements"),
     ],
 )
 def test_a_wrong_call_is_one_sentence_and_no_file(capsys, tmp_path, words, sentence):
@@ -84,6 +86,36 @@ def test_sample_writes_patterns_and_their_records(capsys, tmp_path):
     assert [line["index"] for line in lines] == [0, 1, 2]
     for line in lines:
         assert load_pattern(folder / line["file"]).panels
+
+
+def test_samples_join_those_of_their_folder_and_replace_their_equals(capsys, tmp_path):
+    words = ("-o", tmp_path, "--workers", 1)
+    for call in (
+        ("sample", "skirt", "--count", 2),
+        ("sample", "tee", "--count", 1),
+        ("sample", "skirt", "--count", 2, "--first", 1, "--body", "mean-male"),
+    ):
+        assert run(capsys, *call, *words)[0] == 0
+    lines = [json.loads(line) for line in (tmp_path / "samples.jsonl").read_text().splitlines()]
+    assert sorted(line["file"] for line in lines) == sorted(p.name for p in tmp_path.glob("*.json"))
+    skirts = {line["index"]: line["body"] for line in lines if line["source"] == "skirt"}
+    assert skirts == {0: "mean-female", 1: "mean-male", 2: "mean-male"}
+    assert len(lines) == 4
+
+
+def test_records_of_another_kind_are_not_overwritten(capsys, tmp_path):
+    (tmp_path / "samples.jsonl").write_text("notes of mine\n")
+    code, _, err = run(capsys, "sample", "tee", "-o", tmp_path)
+    assert code == 2
+    assert "samples.jsonl" in err
+    assert (tmp_path / "samples.jsonl").read_text() == "notes of mine\n"
+
+
+def test_a_number_that_is_none_is_told_in_plain_words(capsys, tmp_path):
+    with pytest.raises(SystemExit) as stop:
+        main(["sample", "tee", "--seed", "one", "-o", str(tmp_path / "s")])
+    assert stop.value.code == 2
+    assert "--seed: 'one' is no whole number" in capsys.readouterr().err
 
 
 def test_gallery_draws_a_sheet(capsys, tmp_path):
@@ -121,4 +153,6 @@ def test_bodies_lists_all_six(capsys):
     code, out, _ = run(capsys, "bodies", "--json")
     assert code == 0
     assert len(json.loads(out)["bodies"]) == 6
-    assert "hip_girth" in run(capsys, "bodies")[1]
+    out = run(capsys, "bodies")[1]
+    assert out.startswith("[cm]")
+    assert "hip_girth" in out

@@ -17,12 +17,14 @@ from typing import TYPE_CHECKING, Any
 from garmentimage.errors import (
     DecodeError,
     DraftError,
+    DrapeError,
     EncodeError,
     GarmentImageError,
     ImageError,
     OutputError,
     PatternError,
     PatternFileError,
+    RenderError,
     StitchError,
 )
 
@@ -68,6 +70,7 @@ __all__ = [
     "BodyMeasurements",
     "DecodeError",
     "DraftError",
+    "DrapeError",
     "EdgeType",
     "EncodeError",
     "GarmentImage",
@@ -77,6 +80,7 @@ __all__ = [
     "Pattern",
     "PatternError",
     "PatternFileError",
+    "RenderError",
     "StitchError",
     "Template",
     "decode",

@@ -6,14 +6,16 @@ with Ctrl-C.
 """
 
 import argparse
+import difflib
 import os
+import re
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
 from garmentimage import __version__
 from garmentimage.commands import COMMANDS
-from garmentimage.errors import GarmentImageError
+from garmentimage.errors import GarmentImageError, quoted
 from garmentimage.terminal import Exit, one_line, report_error, say
 
 DEBUG_VARIABLE = "GARMENTIMAGE_DEBUG"
@@ -35,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     options, rest = parser.parse_known_args(arguments)
     if rest and not options.takes_rest:
-        parser.error(f"unrecognized arguments: {' '.join(rest)}")
+        _refuse(rest[0], options.parser)
     options.rest = rest
     try:
         code = options.run(options)
@@ -61,6 +63,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return Exit.BUG
 
 
+def _refuse(word: str, parser: argparse.ArgumentParser) -> NoReturn:
+    """End with what a verb does not know, the option that may have been meant, and its help."""
+    known = re.findall(r"--[\w-]+", parser.format_help())
+    near = difflib.get_close_matches(word.partition("=")[0], known, n=1)
+    parser.error(f"does not know {quoted(word)}" + (f"; did you mean {near[0]}" if near else ""))
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="garmentimage",
@@ -73,5 +82,5 @@ def _parser() -> argparse.ArgumentParser:
         sub = verbs.add_parser(command.name, help=command.summary, description=command.summary)
         command.add_arguments(sub)
         sub.add_argument("--json", action="store_true", help="print the result as JSON")
-        sub.set_defaults(run=command.run, takes_rest=command.takes_rest)
+        sub.set_defaults(run=command.run, takes_rest=command.takes_rest, parser=sub)
     return parser

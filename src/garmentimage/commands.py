@@ -24,7 +24,7 @@ from garmentimage.draft_commands import (
     run_sample,
     sample_arguments,
 )
-from garmentimage.errors import GarmentImageError, OutputError, PatternFileError
+from garmentimage.errors import GarmentImageError, OutputError, PatternError, PatternFileError
 from garmentimage.files import shown_path, write_atomically
 from garmentimage.terminal import (
     Exit,
@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from garmentimage.raster.image import GarmentImage
 
 IMAGE_SUFFIXES = (".npz", ".npy")
-MANIFEST_ENDING = "_manifest.json"
-"""Lists of designs that lie among the patterns of a folder."""
 FAILURES_SHOWN = 20
 ROUNDTRIP_COLUMNS = """\
 columns of the table:
@@ -61,7 +59,9 @@ columns of the table:
   gap cm    largest distance of a boundary from the original one
   seams     share of seams that came back between the same panels and as long
   ms        median time; the first file of each process, which compiles, left out
-  errors    files that ended with an error, by class
+  errors    files that ended with an error, by class; Lost: one that took longer
+            than 60 s and was given up (with --workers 0, none is), or whose
+            process died
 
 Images keep no notches, no names of edges and no fields beside panels and
 stitches; these are not judged.
@@ -298,15 +298,29 @@ def _pattern_files(paths: Iterable[Path]) -> list[Path]:
             ) from None
         if is_folder:
             inside = sorted(path.rglob("*.json"))
-            inside = [f for f in inside if not f.name.endswith(MANIFEST_ENDING)]
-            if not inside:
-                raise PatternFileError(f"{shown_path(path)}: no .json file in this folder")
-            found.update(dict.fromkeys(inside))
+            patterns = [f for f in inside if not _holds_no_pattern(f)]
+            if not patterns:
+                raise PatternFileError(f"{shown_path(path)}: no .json file in it holds a pattern")
+            found.update(dict.fromkeys(patterns))
+            if others := len(inside) - len(patterns):
+                holds = "file holds" if others == 1 else "files hold"
+                say(f"{shown_path(path)}: {others} {holds} no pattern, skipped")
         elif is_file:
             found[path] = None
         else:
             raise PatternFileError(f"{shown_path(path)}: there is no such file or folder")
     return list(found)
+
+
+def _holds_no_pattern(path: Path) -> bool:
+    """Whether a file is sound JSON of another kind, as reports and lists of designs are."""
+    from garmentimage.pattern.jsonfile import LongInteger, parse, read_bytes
+
+    try:
+        data = parse(read_bytes(path))
+    except (PatternError, LongInteger):
+        return False  # a damaged pattern perhaps: its round trip tells what is wrong
+    return not (isinstance(data, dict) and "pattern" in data)
 
 
 # --- options -------------------------------------------------------------------------------------
@@ -370,14 +384,17 @@ def _check_out(out: Path, suffixes: Sequence[str], sources: Iterable[Path]) -> N
     if out.suffix.lower() not in suffixes:
         raise OutputError(f"{shown_path(out)}: the name must end in {' or '.join(suffixes)}")
     try:
-        has_folder = out.absolute().parent.is_dir()
+        folder = out.absolute().parent
+        has_folder = folder.is_dir()
         is_input = out.exists() and any(s.exists() and s.samefile(out) for s in sources)
     except OSError as error:
         raise OutputError(
             f"{shown_path(out)}: cannot be used ({error.strerror}); choose another name"
         ) from None
     if not has_folder:
-        raise OutputError(f"{shown_path(out)}: there is no such folder; make it first")
+        raise OutputError(
+            f"{shown_path(out)}: there is no folder {shown_path(folder)}; make it first"
+        )
     if is_input:
         raise OutputError(f"{shown_path(out)}: is the input, too; choose another name")
 

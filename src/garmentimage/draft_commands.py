@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from garmentimage.errors import DraftError, OutputError, quoted
 from garmentimage.files import safe_name, shown_path, write_atomically
-from garmentimage.terminal import Exit, print_json, print_written, say
+from garmentimage.terminal import Exit, print_json, print_written, say, whole_number
 
 if TYPE_CHECKING:
     from garmentimage.body.measurements import BodyMeasurements
@@ -105,7 +105,7 @@ def run_bodies(options: argparse.Namespace) -> Exit:
     rows = {name: asdict(body) for name, body in chosen.items()}
     fields = list(next(iter(rows.values())))
     width = max(map(len, fields))
-    print(" " * width, *(f"{name[:18]:>18}" for name in rows))
+    print(f"{'[cm]':{width}}", *(f"{name[:18]:>18}" for name in rows))
     for field in fields:
         print(f"{field:{width}}", *(f"{row[field]:18.1f}" for row in rows.values()))
     return Exit.OK
@@ -174,12 +174,18 @@ def sample_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source", metavar="KIND|TEMPLATE.json", help="a kind, or a 2021 template with parameters"
     )
-    parser.add_argument("--count", type=int, default=1, metavar="N", help="how many (1)")
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="0 unless told")
+    parser.add_argument("--count", type=whole_number, default=1, metavar="N", help="how many (1)")
+    parser.add_argument("--seed", type=whole_number, default=0, metavar="S", help="0 unless told")
     _add_body(parser, ", or `any` to draw it, too")
-    parser.add_argument("--first", type=int, default=0, metavar="K", help="index to begin at (0)")
     parser.add_argument(
-        "--workers", type=int, default=os.cpu_count() or 1, metavar="W", help="processes (all)"
+        "--first", type=whole_number, default=0, metavar="K", help="index to begin at (0)"
+    )
+    parser.add_argument(
+        "--workers",
+        type=whole_number,
+        default=os.cpu_count() or 1,
+        metavar="W",
+        help="processes (all)",
     )
     parser.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER")
 
@@ -188,7 +194,7 @@ def run_sample(options: argparse.Namespace) -> Exit:
     """Draw garments at random and save them with a record of what was drawn."""
     from tqdm import tqdm
 
-    from garmentimage.draft.sample import ANY_BODY, sample
+    from garmentimage.draft.sample import sample
 
     source = _source(options.source)
     out: Path = options.out
@@ -198,7 +204,7 @@ def run_sample(options: argparse.Namespace) -> Exit:
         source,
         options.count,
         options.seed,
-        body=options.body if options.body == ANY_BODY else _body(options.body),
+        body=_body(options.body) if _is_file(options.body) else options.body,
         workers=options.workers,
         first=options.first,
     )
@@ -206,24 +212,42 @@ def run_sample(options: argparse.Namespace) -> Exit:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{shown_path(out)}: cannot be made ({error.strerror})") from None
-    lines: list[str] = []
+    records = _records(out / RECORDS)
+    count = 0
     reasons: dict[str, int] = {}
-    for one in tqdm(drawn, total=options.count, unit="pattern", leave=False, disable=None):
-        lines.append(_save(one, out))
-        for reason in one.rejected:
-            reasons[reason] = reasons.get(reason, 0) + 1
-    write_atomically(out / RECORDS, "".join(lines).encode())
-    _report(options, len(lines), reasons)
+    try:
+        for one in tqdm(drawn, total=options.count, unit="pattern", leave=False, disable=None):
+            records |= _save(one, out)
+            count += 1
+            for reason in one.rejected:
+                reasons[reason] = reasons.get(reason, 0) + 1
+    finally:  # also what was made before Ctrl-C is listed
+        write_atomically(out / RECORDS, "".join(f"{line}\n" for line in records.values()))
+    _report(options, count, reasons)
     return Exit.OK
 
 
-def _save(one: "Sample", folder: Path) -> str:
-    """Write a sample's pattern; its line of the records."""
+def _records(path: Path) -> dict[str, str]:
+    """The lines of a folder's records by file, which new samples join; none where none are."""
+    if not path.exists():
+        return {}
+    try:
+        lines = path.read_text("utf-8").split("\n")
+        return {str(json.loads(line)["file"]): line for line in lines if line}
+    except (OSError, ValueError, TypeError, KeyError):
+        raise OutputError(
+            f"{shown_path(path)}: is no list of samples that this one could join; move it, or name "
+            "another folder"
+        ) from None
+
+
+def _save(one: "Sample", folder: Path) -> dict[str, str]:
+    """Write a sample's pattern; its line of the records by file."""
     from garmentimage.pattern.spec import save_pattern
 
     name = f"{safe_name(one.source)}_{one.seed}_{one.index:06d}.json"
     save_pattern(one.pattern, folder / name)
-    return json.dumps({"file": name, **one.record()}, ensure_ascii=False) + "\n"
+    return {name: json.dumps({"file": name, **one.record()}, ensure_ascii=False)}
 
 
 def _report(options: argparse.Namespace, count: int, reasons: dict[str, int]) -> None:
@@ -281,11 +305,15 @@ def _body(name: str) -> "BodyMeasurements":
     """A shipped body, or one from a file."""
     from garmentimage.body.measurements import load_measurements, measurements
 
-    if name.lower().endswith(".json"):
+    if _is_file(name):
         body = load_measurements(name)
         body.check()
         return body
     return measurements(name)
+
+
+def _is_file(body: str) -> bool:
+    return body.lower().endswith(".json")
 
 
 def _check_suffix(out: Path) -> None:

@@ -53,12 +53,28 @@ class DraftError(GarmentImageError, ValueError):
     """A body or a design that no garment can be drafted from."""
 
 
+class DrapeError(GarmentImageError, ValueError):
+    """A garment that cannot be worn by the body, or a drape that went wrong."""
+
+
+class RenderError(GarmentImageError, ValueError):
+    """A picture that cannot be made as asked."""
+
+
 class OutputError(GarmentImageError, OSError):
     """A result that cannot be written where it was asked for."""
 
 
 class PatternWarning(UserWarning):
     """Something in a pattern that was mended, or that its maker should look at."""
+
+
+def check_type(value: object, wanted: type, way_out: str) -> None:
+    """Refuse an argument of another type with a TypeError that says what to give instead."""
+    if not isinstance(value, wanted):
+        raise TypeError(
+            f"wanted a {wanted.__name__}, not a value of type {type(value).__name__}; {way_out}"
+        )
 
 
 SHOWN_NAME_LENGTH = 40

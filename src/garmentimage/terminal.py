@@ -9,7 +9,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from garmentimage.errors import EncodeError, GarmentImageError
+from garmentimage.errors import EncodeError, GarmentImageError, quoted
 from garmentimage.files import shown_path
 
 if TYPE_CHECKING:
@@ -36,6 +36,14 @@ def errors_about(path: Path) -> Iterator[None]:
         if not str(error).startswith(name):
             error.args = (f"{name}: {error}",)
         raise
+
+
+def whole_number(text: str) -> int:
+    """The value of an option that takes a whole number."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is no whole number") from None
 
 
 def list_facts(facts: dict[str, Any]) -> str:

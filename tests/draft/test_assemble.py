@@ -1,9 +1,11 @@
 """Seams are sewn edge to edge: both sides are cut wherever an edge of either ends."""
 
+from itertools import pairwise
+
 import pytest
 
 from garmentimage.draft.assemble import Assembly
-from garmentimage.draft.curves import chain_polygon, length_of
+from garmentimage.draft.curves import chain_polygons, length_of, lengths_of
 from garmentimage.draft.panel import FRONT, NamedCurve, lines, mirrored, placed, whole
 from garmentimage.geometry.curves import Bezier, Line
 
@@ -87,6 +89,15 @@ def test_lengths_are_those_of_the_pattern():
         assert length_of(curve) == pytest.approx(curve.length, rel=5e-4)
 
 
+def test_a_curve_is_as_long_alone_as_among_others():
+    curves = [
+        Line((0.0, 0.0), (3.0, 4.0)),
+        *(Bezier((0.1, 0.2), ((5.3, 9.7 * k),), (10.9 - k, 0.4)) for k in range(5)),
+        *(Bezier((0.3, 0.1), ((0.7, 9.3), (10.1 * k, 2.9)), (11.3, 15.7)) for k in range(5)),
+    ]
+    assert lengths_of(curves) == [length_of(curve) for curve in curves]
+
+
 def test_two_halves_meet_in_one_straight_edge():
     half = (
         *lines("hem", (0.0, 0.0), (5.0, 0.0)),
@@ -110,5 +121,7 @@ def test_a_polygon_begins_each_curve_at_its_start():
         Bezier((4.0, 0.0), ((5.0, 3.0),), (0.0, 3.0)),
         Line((0.0, 3.0), (0.0, 0.0)),
     )
-    points = chain_polygon(chain).tolist()
-    assert all(list(curve.start) in points for curve in chain)
+    triangle = tuple(Line(a, b) for a, b in pairwise([(9.0, 0.0), (9.0, 1.0), (8.0, 0.0)] * 2))[:3]
+    first, second = chain_polygons([chain, triangle])
+    assert all(list(curve.start) in first.tolist() for curve in chain)
+    assert [tuple(point) for point in second.tolist()] == [curve.start for curve in triangle]

@@ -7,7 +7,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from garmentimage import EncodeError, decode, encode
+from garmentimage import (
+    EncodeError,
+    ImageError,
+    decode,
+    encode,
+    load_pattern,
+    save_image,
+    save_pattern,
+)
+from garmentimage.examples import example_path
 from garmentimage.geometry.curves import Line
 from garmentimage.metrics.roundtrip import judge
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch, loop_from_curves
@@ -145,7 +154,45 @@ def test_a_garment_that_is_too_crowded_says_which_grid_would_do():
     with pytest.raises(EncodeError, match="grid of") as caught:
         encode(pattern, 8)
     assert caught.value.grid is not None
+    assert f"--grid {caught.value.grid}" in str(caught.value)
     assert encode(pattern, caught.value.grid).inside.any()
+
+
+def test_seams_that_cross_when_laid_flat_are_named_by_their_panels():
+    """Two cuffs sewn crosswise to two sleeves that hang beside each other."""
+    names = ("left", "right", "under left", "under right")
+    places = ((-30.0, 100.0), (10.0, 100.0), (-30.0, 70.0), (10.0, 70.0))
+    squares = [_square(name, x, y, 20.0) for name, (x, y) in zip(names, places)]
+    crosswise = tuple(
+        Stitch(Side(above, 0), Side(below, 2))
+        for above, below in (("left", "under right"), ("right", "under left"))
+    )
+    beside = (Stitch(Side("left", 1), Side("right", 3)),
+              Stitch(Side("under left", 1), Side("under right", 3)))  # fmt: skip
+    with pytest.raises(EncodeError, match=r"seams of panels .*under.* cross"):
+        encode(Pattern(tuple(squares), crosswise + beside), 64)
+
+
+@pytest.mark.parametrize(
+    ("call", "way_out"),
+    [
+        (lambda: encode("dress.json"), "load_pattern"),
+        (lambda: encode(Pattern((_square("patch", 0.0, 100.0, 20.0),)), grid="16"), "cells"),
+        (lambda: save_image(Pattern(()), "a.npz"), "encode"),
+        (
+            lambda: save_pattern(encode(Pattern((_square("patch", 0.0, 100.0, 20.0),))), "a.json"),
+            "decode",
+        ),
+    ],
+)
+def test_an_argument_of_a_wrong_type_is_told_what_to_give(call, way_out):
+    with pytest.raises(TypeError, match=way_out):
+        call()
+
+
+def test_a_path_where_an_image_belongs_is_told_what_to_give():
+    with pytest.raises(ImageError, match="load_image"):
+        decode("dress.npz")
 
 
 @pytest.mark.parametrize("grid", [0, 7, 15, 1000])
@@ -169,3 +216,23 @@ def test_loops_that_start_at_another_edge_give_the_same_image():
     square = _square("patch", -15.0, 100.0, 20.0)
     again = replace(square, outline=turned(square.outline))
     assert encode(Pattern((again,))).same_channels(encode(Pattern((square,))))
+
+
+def test_a_hole_sewn_up_by_itself_comes_back_as_a_slit():
+    dress = load_pattern(example_path("dress"))
+    front = dress.panels[0]
+    x, y = front.outline.polygon.mean(axis=0).tolist()
+    points = [(x, y - 8.0), (x + 1.5, y), (x, y + 8.0), (x - 1.5, y)]
+    hole = loop_from_curves([Line(b, a) for a, b in zip(points, points[1:] + points[:1])][::-1])
+    first = len(front.edges)
+    fish_eye = replace(
+        dress,
+        panels=(replace(front, holes=(hole,)), *dress.panels[1:]),
+        stitches=(
+            *dress.stitches,
+            Stitch(Side(front.name, first), Side(front.name, first + 3)),
+            Stitch(Side(front.name, first + 1), Side(front.name, first + 2)),
+        ),
+    )
+    for grid in (16, 32):
+        assert judge(fish_eye, decode(encode(fish_eye, grid))).success

@@ -145,6 +145,7 @@ def test_canonical_numbering_forgets_order_and_direction():
         least=drawing.least[order],
         need=drawing.need[order],
         wish=drawing.wish[order],
+        weight=drawing.weight[order],
     )
     a, b = lattice_paths(drawing, FINE, 5.0), lattice_paths(shuffled, FINE, 5.0)
     for i, path in zip(order, b):

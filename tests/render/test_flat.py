@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
+from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
 from garmentimage import load_pattern
@@ -120,8 +122,6 @@ def test_stitches_that_follow_each_other_are_one_seam(same_direction):
 
 
 def test_no_number_touches_the_name_of_its_panel(example):
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=(5, 4.4))
     axes = figure.add_axes((0, 0, 1, 1))
     draw_pattern(example, axes)
@@ -140,6 +140,29 @@ def test_no_number_touches_the_name_of_its_panel(example):
             assert not box.contains(
                 *level.transform(axes.transData.transform(number.get_position()))
             )
+
+
+@pytest.mark.parametrize("name", ["cutout_top", "narrow cuff"])
+def test_grain_arrows_lie_on_cloth_and_off_the_names(name):
+    if name == "narrow cuff":
+        pattern = Pattern((replace(strip("a cuff", 3, 20.0), grain=(0.0, 1.0)),))
+    else:
+        pattern = load_pattern(example_path(name))
+    figure = Figure(figsize=(5, 4.4))
+    axes = figure.add_axes((0, 0, 1, 1))
+    draw_pattern(pattern, axes)
+    figure.canvas.draw()
+    arrows = [shapely.LineString([t.xy, t.xyann]) for t in axes.texts if hasattr(t, "xyann")]
+    cloth = [shapely.Polygon(p.polygon) for p in arrange(pattern)]
+    names = [t for t in axes.texts if t.get_text() in pattern.by_name]
+    assert len(arrows) == len(pattern.panels)
+    for arrow in arrows:
+        assert arrow.length > 1
+        assert sum(panel.contains(arrow) for panel in cloth) == 1
+    for text in names:
+        assert text.get_rotation() == 0
+        box = axes.transData.inverted().transform_bbox(text.get_window_extent())
+        assert not any(arrow.intersects(shapely.box(*box.extents)) for arrow in arrows)
 
 
 def test_the_two_legs_of_a_dart_share_a_number():

@@ -273,6 +273,11 @@ def _numbers(data: Any) -> dict[str, float]:
     """The fields of a JSON value, if they are exactly those of `BodyMeasurements`."""
     if not isinstance(data, dict):
         raise DraftError("the measurements must be one JSON object with a number for each")
+    if "pattern" in data:
+        raise DraftError(
+            "is a pattern, not measurements; `garmentimage bodies mean-female -o me.json` makes "
+            "such a file"
+        )
     for name in data:
         if name not in NAMES:
             near = difflib.get_close_matches(name, NAMES, n=1)

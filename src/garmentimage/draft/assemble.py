@@ -6,20 +6,12 @@ joins one edge to one edge.
 """
 
 from bisect import bisect_right
-from itertools import accumulate, pairwise
+from itertools import accumulate, islice, pairwise
 
-from garmentimage.draft.curves import length_of
+from garmentimage.draft.curves import lengths_of
 from garmentimage.draft.panel import EdgeRef, PanelDraft, Seam
 from garmentimage.geometry.curves import Curve
-from garmentimage.pattern.model import (
-    Edge,
-    Loop,
-    Panel,
-    Pattern,
-    Side,
-    Stitch,
-    loop_from_curves,
-)
+from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
 
 SEAM_TOL = 0.01
 """Seams that are sewn flat are equally long within this [cm]."""
@@ -32,15 +24,18 @@ class Assembly:
 
     def __init__(self) -> None:
         self._panels: dict[str, PanelDraft] = {}
-        self._lengths: dict[EdgeRef, float] = {}
-        self._cuts: dict[EdgeRef, list[float]] = {}
+        self._lengths: dict[str, list[float]] = {}
+        self._cuts: dict[tuple[str, int], list[float]] = {}
         self._stitches: list[tuple[tuple[EdgeRef, int], tuple[EdgeRef, int]]] = []
 
     def add(self, *panels: PanelDraft) -> None:
-        """Take panels in."""
+        """Take panels in; their edges are measured together, so many at a time are quicker."""
         for panel in panels:
             assert panel.name not in self._panels
             self._panels[panel.name] = panel
+        lengths = iter(lengths_of([named.curve for panel in panels for named in panel.outline]))
+        for panel in panels:
+            self._lengths[panel.name] = list(islice(lengths, len(panel.outline)))
 
     @property
     def panels(self) -> tuple[PanelDraft, ...]:
@@ -49,7 +44,7 @@ class Assembly:
 
     def length(self, seam: Seam) -> float:
         """Length of a seam [cm]."""
-        return sum(self._length(ref) for ref in seam)
+        return sum([self._lengths[panel][number] for panel, number in seam])
 
     def sew(self, a: Seam, b: Seam, *, fullness: float = 1.0) -> None:
         """Sew two seams together, the start of one to the end of the other.
@@ -59,8 +54,14 @@ class Assembly:
             b: edges in the order of their loops; `a` meets them from the last to the first.
             fullness: how many times as long as `b` the seam `a` is: 1 where nothing is gathered.
         """
-        backwards = b[::-1]
         assert abs(self.length(a) - fullness * self.length(b)) <= SEAM_TOL * fullness, (a, b)
+        for ref in (*a, *b):
+            assert ref not in self._cuts, f"{ref} is sewn twice"
+            self._cuts[ref] = []
+        if len(a) == len(b) == 1:
+            self._stitches.append(((a[0], 0), (b[0], 0)))
+            return
+        backwards = b[::-1]
         ends_a, ends_b = self._ends(a), self._ends(backwards)
         ends = _merged(ends_a, ends_b)
         pieces_a = self._cut(a, ends_a, ends, backwards=False)
@@ -74,42 +75,26 @@ class Assembly:
 
     def pattern(self, name: str) -> Pattern:
         """The finished pattern."""
-        numbers: dict[tuple[EdgeRef, int], Side] = {}
-        panels = [self._panel(draft, numbers) for draft in self._panels.values()]
-        stitches = tuple(Stitch(numbers[a], numbers[b]) for a, b in self._stitches)
-        return Pattern(tuple(panels), stitches, name=name)
+        cut = {draft.name: self._cut_outline(draft) for draft in self._panels.values()}
+        firsts = {name: [0, *accumulate(map(len, edges))] for name, edges in cut.items()}
 
-    def _panel(self, draft: PanelDraft, numbers: dict[tuple[EdgeRef, int], Side]) -> Panel:
-        curves: list[Curve] = []
-        labels: list[str] = []
-        for k, named in enumerate(draft.outline):
-            ref = EdgeRef(draft.name, k)
-            for piece, curve in enumerate(_split(named.curve, self._cuts.get(ref, []))):
-                numbers[ref, piece] = Side(draft.name, len(curves))
-                curves.append(curve)
-                labels.append(named.label)
-        plain = loop_from_curves(curves)
-        edges = tuple(
-            Edge(e.start, e.end, e.curvature, label) for e, label in zip(plain.edges, labels)
-        )
-        return Panel(
-            draft.name,
-            Loop(plain.vertices, edges),
-            draft.holes,
-            draft.translation,
-            draft.rotation,
-            draft.label,
-            draft.grain,
-        )
+        def side(ref: EdgeRef, piece: int) -> Side:
+            return Side(ref.panel, firsts[ref.panel][ref.number] + piece)
 
-    def _length(self, ref: EdgeRef) -> float:
-        if ref not in self._lengths:
-            self._lengths[ref] = length_of(self._panels[ref.panel].outline[ref.number].curve)
-        return self._lengths[ref]
+        panels = tuple(_panel(draft, cut[draft.name]) for draft in self._panels.values())
+        stitches = tuple(Stitch(side(*a), side(*b)) for a, b in self._stitches)
+        return Pattern(panels, stitches, name=name)
+
+    def _cut_outline(self, draft: PanelDraft) -> list[list[Curve]]:
+        """The pieces of every drawn edge."""
+        return [
+            _split(named.curve, self._cuts.get((draft.name, k), []))
+            for k, named in enumerate(draft.outline)
+        ]
 
     def _ends(self, seam: Seam) -> list[float]:
         """Where the edges of a seam end, as shares of its length; starts with 0."""
-        ends = list(accumulate((self._length(ref) for ref in seam), initial=0.0))
+        ends = list(accumulate([self._lengths[p][k] for p, k in seam], initial=0.0))
         return [end / ends[-1] for end in ends]
 
     def _cut(
@@ -124,11 +109,25 @@ class Assembly:
             if own[k + 1] - end > _SAME_SHARE:
                 shares[k].append((end - own[k]) / (own[k + 1] - own[k]))
         for ref, cuts in zip(seam, shares):
-            assert ref not in self._cuts, f"{ref} is sewn twice"
             self._cuts[ref] = [1 - cut for cut in reversed(cuts)] if backwards else cuts
         if backwards:
             return [(seam[k], len(shares[k]) - piece) for k, piece in pieces]
         return [(seam[k], piece) for k, piece in pieces]
+
+
+def _panel(draft: PanelDraft, cut: list[list[Curve]]) -> Panel:
+    """The finished panel, whose drawn edges are cut into these pieces."""
+    curves = [curve for pieces in cut for curve in pieces]
+    labels = [named.label for named, pieces in zip(draft.outline, cut) for _ in pieces]
+    return Panel(
+        draft.name,
+        loop_from_curves(curves, labels),
+        draft.holes,
+        draft.translation,
+        draft.rotation,
+        draft.label,
+        draft.grain,
+    )
 
 
 def _merged(first: list[float], second: list[float]) -> list[float]:

@@ -33,7 +33,7 @@ from garmentimage.draft.skirt import SkirtDesign, add_skirt
 from garmentimage.draft.sleeve import CuffDesign, SleeveDesign, add_sleeves
 from garmentimage.draft.trousers import TrousersDesign, add_trousers, legs_below_waist
 from garmentimage.draft.waistband import WaistbandDesign, add_waistband
-from garmentimage.errors import DraftError, quoted
+from garmentimage.errors import DraftError, check_type, quoted
 from garmentimage.pattern.model import Pattern
 
 DEFAULT_BODY = "mean-female"
@@ -61,6 +61,11 @@ class Design:
 PARTS: Mapping[str, Any] = MappingProxyType({f.name: f.type for f in fields(Design)})
 """The design class of each part."""
 
+FIELDS: Mapping[type, tuple[str, ...]] = MappingProxyType(
+    {design: tuple(f.name for f in fields(design)) for design in PARTS.values()}
+)
+"""The names of a design's fields."""
+
 Make = Callable[[Assembly, BodyMeasurements, Design], None]
 
 
@@ -86,8 +91,7 @@ class Kind:
         design = Design(**{part: _part(design, values) for part, design in PARTS.items()})
         garment = Assembly()
         self.make(garment, body, design)
-        for panel in garment.panels:
-            rules.check_outline(panel)
+        rules.check_outlines(garment.panels)
         return garment.pattern(self.name)
 
 
@@ -111,6 +115,7 @@ def draft(kind: str, body: str | BodyMeasurements = DEFAULT_BODY, **parameters: 
     if isinstance(body, str):
         body = measurements(body)
     else:
+        check_type(body, BodyMeasurements, "load_measurements(path) reads one, a name picks one")
         body.check()
     return KINDS[kind].draft(body, parameters)
 
@@ -121,7 +126,7 @@ def kinds() -> Mapping[str, Kind]:
 
 
 def _part(design: type, values: Mapping[str, Value]) -> Any:
-    return design(**{f.name: values[f.name] for f in fields(design) if f.name in values})
+    return design(**{name: values[name] for name in FIELDS[design] if name in values})
 
 
 def _sew_trunk(
@@ -142,8 +147,7 @@ def _sew_trunk(
         )
         for facing in FACINGS
     }
-    for facing in FACINGS:
-        garment.add(*panels[facing])
+    garment.add(*panels[FRONT], *panels[BACK])
     for side in SIDES:
         for label in ("side_seam", "shoulder"):
             garment.sew(*(seam_of(panels[facing], label, side) for facing in FACINGS))

@@ -36,8 +36,7 @@ BACK_ROTATION = (0.0, 180.0, 0.0)
 _ONE_LINE = 1e-9
 
 
-@dataclass(frozen=True)
-class NamedCurve:
+class NamedCurve(NamedTuple):
     """One edge of a panel, named as the trade does."""
 
     label: str
@@ -75,9 +74,11 @@ class PanelDraft:
     def seam(self, label: str, side: str | None = None) -> Seam:
         """All edges with this label (of one side), in loop order."""
         return tuple(
-            EdgeRef(self.name, k)
-            for k, named in enumerate(self.outline)
-            if named.label == label and side in (None, named.side)
+            [
+                EdgeRef(self.name, k)
+                for k, named in enumerate(self.outline)
+                if named.label == label and (side is None or side == named.side)
+            ]
         )
 
 

@@ -1,8 +1,12 @@
 """What a garment needs so that it can be worn, as rules with a reason."""
 
-from garmentimage.draft.curves import chain_polygon
+from collections.abc import Sequence
+from itertools import islice
+
+from garmentimage.draft.curves import chain_polygons
 from garmentimage.draft.panel import PanelDraft
 from garmentimage.errors import DraftError
+from garmentimage.geometry.curves import Curve
 from garmentimage.geometry.polygons import signed_area
 
 HEAD_STRETCH = 1.3
@@ -56,14 +60,20 @@ def check_thigh(width: float, thigh_girth: float) -> None:
         )
 
 
-def check_outline(panel: PanelDraft) -> None:
+def check_outlines(panels: Sequence[PanelDraft]) -> None:
     """Refuse a panel that cannot be cut: its loops touch, or it runs clockwise."""
     from garmentimage.geometry.crossings import touching_sides
 
-    polygons = [chain_polygon(tuple(named.curve for named in panel.outline))]
-    polygons += [chain_polygon(hole.curves) for hole in panel.holes]
-    if signed_area(polygons[0]) <= 0 or len(touching_sides(polygons)) > 0:
-        raise DraftError(
-            f"these parameters do not go together: the outline of {panel.name} crosses itself; "
-            "bring them nearer to their defaults"
-        )
+    polygons = iter(chain_polygons([chain for panel in panels for chain in _chains(panel)]))
+    for panel in panels:
+        outline, *holes = islice(polygons, 1 + len(panel.holes))
+        if signed_area(outline) <= 0 or len(touching_sides([outline, *holes])) > 0:
+            raise DraftError(
+                f"these parameters do not go together: the outline of {panel.name} crosses "
+                "itself; bring them nearer to their defaults"
+            )
+
+
+def _chains(panel: PanelDraft) -> list[Sequence[Curve]]:
+    """The outline's curves, then those of the holes."""
+    return [[named.curve for named in panel.outline], *(hole.curves for hole in panel.holes)]

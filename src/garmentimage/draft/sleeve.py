@@ -119,8 +119,9 @@ def add_sleeves(
     lengths = {facing: garment.length(armholes[facing, LEFT]) for facing in FACINGS}
     halves = sleeve_halves(block.body, design, lengths, cuffs if cuffed else None)
     rules.check_sleeve(-sum(h.cap.end[1] for h in halves.values()), block.body.upper_arm_girth)
+    distances = {f: beside(block, halves[f].cap, f) + GAP for f in FACINGS}
     for side in SIDES:
-        panels = {f: sleeve_panel(block, halves[f], f, side) for f in FACINGS}
+        panels = {f: sleeve_panel(block, halves[f], f, side, distances[f]) for f in FACINGS}
         garment.add(*panels.values())
         for seam in ("upper_seam", "underarm_seam"):
             garment.sew(panels[FRONT].seam(seam), panels[BACK].seam(seam))
@@ -186,8 +187,8 @@ def arm_girth(body: BodyMeasurements, share: float) -> float:
     return body.upper_arm_girth + min(share, 1.0) * (body.wrist_girth - body.upper_arm_girth)
 
 
-def sleeve_panel(block: Block, half: SleeveHalf, facing: str, side: str) -> PanelDraft:
-    """One half of a sleeve beside its armhole."""
+def sleeve_panel(block: Block, half: SleeveHalf, facing: str, side: str, x: float) -> PanelDraft:
+    """One half of a sleeve beside its armhole, its crown `x` from the body's middle [cm]."""
     under = half.cap.end
     outline: Outline = (
         *lines("underarm_seam", under, (half.length, -half.end)),
@@ -195,7 +196,6 @@ def sleeve_panel(block: Block, half: SleeveHalf, facing: str, side: str) -> Pane
         *lines("upper_seam", (half.length, 0.0), (0.0, 0.0)),
         NamedCurve("cap", half.cap),
     )
-    x = beside(block, half.cap, facing) + GAP
     return _on_arm(f"{side}_sleeve_{facing}", outline, facing, side, block, x)
 
 

@@ -127,15 +127,14 @@ def add_trousers(
         for side in SIDES:
             x = reach + GAP / 2 if side == LEFT else -reach - GAP / 2
             own = outline if side == plus_side(facing) else mirrored(outline)
-            panel = placed(
+            panels[facing, side] = placed(
                 f"{side}_trouser_{facing}",
                 on_side(own, side),
                 facing,
                 (x, height, layer_depth(body)),
                 label="leg",
             )
-            panels[facing, side] = panel
-            garment.add(panel)
+    garment.add(*panels.values())
     rules.check_thigh(thigh, body.thigh_girth)
     for side in SIDES:
         for label in ("inseam", "side_seam"):

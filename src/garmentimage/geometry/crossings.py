@@ -21,11 +21,7 @@ def touching_sides(polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Int[np.ndarr
     Returns:
         Side numbers, counted through all polygons; the first of a pair is the smaller.
     """
-    points = np.concatenate(list(polygons))
-    onward = np.arange(1, len(points) + 1)
-    ends = np.cumsum([len(p) for p in polygons])
-    onward[ends - 1] = ends - [len(p) for p in polygons]
-    return _touching(points, onward)
+    return _touching(np.concatenate(list(polygons)), np.array([len(p) for p in polygons]))
 
 
 def contains(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, " 2"]) -> bool:
@@ -38,22 +34,30 @@ def contains(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, " 2"]) 
 
 
 @njit(cache=True)
-def _touching(points, onward):  # type: ignore[no-untyped-def]
+def _touching(points, sizes):  # type: ignore[no-untyped-def]
+    count = len(points)
+    onward = np.arange(1, count + 1)
+    end = 0
+    for size in sizes:
+        end += size
+        onward[end - 1] = end - size
+    low, high = np.empty((count, 2)), np.empty((count, 2))
+    for i in range(count):
+        for axis in range(2):
+            low[i, axis] = min(points[i, axis], points[onward[i], axis])
+            high[i, axis] = max(points[i, axis], points[onward[i], axis])
     pairs = np.empty((_PAIR_LIMIT, 2), np.int64)
     found = 0
-    count = len(points)
     for i in range(count):
         ax, ay = points[i]
         bx, by = points[onward[i]]
-        low_x, high_x = min(ax, bx), max(ax, bx)
-        low_y, high_y = min(ay, by), max(ay, by)
         for j in range(i + 1, count):
+            if low[j, 0] > high[i, 0] or high[j, 0] < low[i, 0]:
+                continue
+            if low[j, 1] > high[i, 1] or high[j, 1] < low[i, 1]:
+                continue
             cx, cy = points[j]
             dx, dy = points[onward[j]]
-            if max(cx, dx) < low_x or min(cx, dx) > high_x:
-                continue
-            if max(cy, dy) < low_y or min(cy, dy) > high_y:
-                continue
             if onward[i] == j or onward[j] == i:
                 ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
                 along = ux * vx + uy * vy

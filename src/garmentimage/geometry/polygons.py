@@ -8,7 +8,7 @@ def signed_area(polygon: Float[np.ndarray, "n 2"]) -> float:
     """Area of the polygon; positive when it runs counter-clockwise."""
     # Seen from its first point, so that a far-off polygon keeps its area; the last term is then 0.
     x, y = (polygon - polygon[0]).T
-    return 0.5 * float(np.sum(x[:-1] * y[1:] - y[:-1] * x[1:]))
+    return 0.5 * float((x[:-1] * y[1:] - y[:-1] * x[1:]).sum())
 
 
 def centroid(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:

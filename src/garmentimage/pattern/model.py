@@ -278,11 +278,17 @@ def _absolute(start: Point, end: Point, control: Point) -> Point:
     return start[0] + cx * ex - cy * ey, start[1] + cx * ey + cy * ex
 
 
-def loop_from_curves(curves: tuple[Curve, ...] | list[Curve]) -> Loop:
-    """A loop whose edge k is `curves[k]`; each curve starts where the one before it ends."""
+def loop_from_curves(curves: Sequence[Curve], labels: Sequence[str | None] = ()) -> Loop:
+    """A loop whose edge k is `curves[k]`, labelled `labels[k]` if labels are given.
+
+    Each curve starts where the one before it ends.
+    """
     count = len(curves)
-    edges = tuple(Edge(k, (k + 1) % count, curvature_of(c)) for k, c in enumerate(curves))
-    return Loop(tuple(c.start for c in curves), edges)
+    edges = tuple(
+        Edge(k, (k + 1) % count, curvature_of(curve), label)
+        for k, (curve, label) in enumerate(zip(curves, labels or (None,) * count))
+    )
+    return Loop(tuple(curve.start for curve in curves), edges)
 
 
 def rotation_matrix(degrees: Vector) -> Float[np.ndarray, "3 3"]:

@@ -25,7 +25,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from garmentimage.errors import PatternError, PatternFileError, PatternWarning
+from garmentimage.errors import PatternError, PatternFileError, PatternWarning, check_type
 from garmentimage.files import shown_path, write_atomically
 from garmentimage.pattern.check import Finding
 from garmentimage.pattern.jsonfile import (
@@ -109,7 +109,9 @@ def save_pattern(pattern: Pattern, path: str | os.PathLike[str]) -> None:
     Raises:
         PatternError: the pattern has a fault that a file cannot hold (a name twice, an open loop).
         OutputError: the place cannot be written to.
+        TypeError: it is no Pattern.
     """
+    check_type(pattern, Pattern, "decode(image) makes one of an image")
     data = pattern_to_spec(pattern)
     try:
         text = json.dumps(data)

@@ -77,6 +77,7 @@ def canonical(drawing: Drawing) -> Canonical:
         least=drawing.least[order],
         need=drawing.need[order],
         wish=drawing.wish[order],
+        weight=drawing.weight[order],
         links=(),
     )
     return Canonical(

@@ -124,9 +124,12 @@ def _wishes(
     inner: np.ndarray,
     along: int,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean wish and weight of each variable: a cell of path weighs 1, a node `NODE_WEIGHT`."""
+    """Mean wish and weight of each variable: a cell of path weighs 1, a node `NODE_WEIGHT`.
+
+    Both count as much as their arcs do.
+    """
     cells = np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in drawing.curves])
-    load = np.where(inner, np.repeat(cells / lens, lens), 0.0)
+    load = np.where(inner, np.repeat(drawing.weight * cells / lens, lens), 0.0)
     count = variable.max() + 1
     weight = np.bincount(variable, load, count)
     target = np.bincount(variable, load * wanted, count)
@@ -134,8 +137,9 @@ def _wishes(
     nodes = np.concatenate([drawing.tail, drawing.head])
     at = np.concatenate([variable[ends - lens], variable[ends - 1]])
     nodes, first = np.unique(nodes, return_index=True)
-    np.add.at(weight, at[first], NODE_WEIGHT)
-    np.add.at(target, at[first], NODE_WEIGHT * drawing.node_target[nodes, along])
+    pull = NODE_WEIGHT * drawing.node_weight[nodes]
+    np.add.at(weight, at[first], pull)
+    np.add.at(target, at[first], pull * drawing.node_target[nodes, along])
     return target / weight, weight
 
 
@@ -186,7 +190,7 @@ def _chords(
             np.stack([u, v, np.minimum(drawing.wish * part, mine)], axis=1)[soft],
         ]
     ).astype(float)
-    springs = SHAPE_WEIGHT * np.minimum(1.0, (part - 0.25) * 8)[soft]
+    springs = SHAPE_WEIGHT * (drawing.weight * np.minimum(1.0, (part - 0.25) * 8))[soft]
     return rows, np.concatenate([np.zeros(int(hard.sum())), springs])
 
 

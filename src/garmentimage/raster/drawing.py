@@ -16,6 +16,7 @@ from garmentimage.geometry.polygons import polyline_length, resample, signed_are
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
 from garmentimage.raster.layout import Layout
+from garmentimage.raster.samples import trunk_share
 
 CHORD_TOLERANCE = 0.5
 """A curve should be followed by its chords within this [cm] ..."""
@@ -32,6 +33,9 @@ MOST_NEEDED = (6, 3, 2, 1)
 SHORT_ARC = 4.0
 """Arcs shorter than this [cm] ask for one grid edge."""
 LATTICE_DEGREE = 4
+LIMB_WEIGHT = 0.02
+"""Weight of the wishes of sleeves and hoods, next to 1 for the trunk: where both want a grid line,
+the sleeve makes way, and the trunk looks the same with it as without."""
 
 Path = Int[np.ndarray, "n 2"]
 
@@ -60,11 +64,21 @@ class Drawing:
     """Grid edges below which the arc's length or its panel's area would be lost."""
     wish: Float[np.ndarray, " arc"]
     """Grid edges with which the arc's shape would survive."""
+    weight: Float[np.ndarray, " arc"]
+    """How much the arc's wishes count, next to 1 for the trunk."""
     grid: int
     axis: int | None = None
     """Lattice column of the mirror axis; nothing is drawn left of it."""
     links: tuple[tuple[int, int, bool], ...] = ()
     """(arc, link, at the arc's head): the arc's path is prolonged by the link's."""
+
+    @property
+    def node_weight(self) -> Float[np.ndarray, " node"]:
+        """How much a node's wish counts: as its weightiest arc."""
+        weight = np.zeros(len(self.node_target))
+        np.maximum.at(weight, self.tail, self.weight)
+        np.maximum.at(weight, self.head, self.weight)
+        return weight
 
     @property
     def arc_count(self) -> int:
@@ -99,6 +113,7 @@ def drawing_of(layout: Layout, frame: BodyFrame) -> Drawing:
         least=_least(tail, head, layers),
         need=np.array([_need(layout, i) for i in range(len(arcs))]),
         wish=np.array([_wish(layout, i) for i in range(len(arcs))]),
+        weight=_weight(layout),
         grid=frame.grid,
     )
 
@@ -174,6 +189,7 @@ def _with_link(drawing: Drawing, layer: int, node: int) -> Drawing:
         least=np.append(drawing.least, 1),
         need=np.append(drawing.need, 1),
         wish=np.append(drawing.wish, 1.0),
+        weight=np.append(drawing.weight, drawing.weight[[first[1], second[1]]].max()),
         links=(
             *drawing.links,
             (first[1], link, first[2]),
@@ -203,6 +219,13 @@ def _least(tail: np.ndarray, head: np.ndarray, layers: np.ndarray) -> np.ndarray
     same = (ends[:, None] == ends[None]).all(axis=2) & ((layers[:, None] & layers[None]) > 0)
     np.fill_diagonal(same, False)
     return np.where(same.any(axis=1), 2, 1)
+
+
+def _weight(layout: Layout) -> Float[np.ndarray, " arc"]:
+    """1 for arcs of the trunk, `LIMB_WEIGHT` for those of sleeves and hoods alone."""
+    share = trunk_share(layout.complex.placed)
+    most = [max(share[panel] for panel, _, _ in arc.sides) for arc in layout.complex.arcs]
+    return LIMB_WEIGHT + (1.0 - LIMB_WEIGHT) * np.array(most)
 
 
 def _wish(layout: Layout, arc_index: int) -> float:

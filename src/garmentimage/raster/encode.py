@@ -8,10 +8,11 @@ a seam the same grid edges.
 
 from collections.abc import Iterator
 from itertools import islice
+from numbers import Integral
 
 import numpy as np
 
-from garmentimage.errors import EncodeError
+from garmentimage.errors import EncodeError, check_type, quoted
 from garmentimage.geometry.polygons import centroid, resample, signed_area
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.canonical import canonical
@@ -70,7 +71,10 @@ def encode(pattern: Pattern, grid: int = 16, *, frame: BodyFrame | None = None) 
     Raises:
         PatternError: the pattern is not sound.
         EncodeError: it does not fit; says what is in the way and which grid would do.
+        TypeError: the garment is no Pattern, or the grid no whole number.
     """
+    check_type(pattern, Pattern, "load_pattern(path) reads one from a file")
+    check_type(grid, Integral, "give the number of cells along each side")
     if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
         raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
     layouts_ = _Kept(layouts(seam_complex(place(pattern))))
@@ -79,17 +83,21 @@ def encode(pattern: Pattern, grid: int = 16, *, frame: BodyFrame | None = None) 
     try:
         return _encode(pattern, layouts_, BodyFrame.standard(grid))
     except EncodeError as error:
-        for larger in LARGER_GRIDS:
-            if larger <= grid:
-                continue
+        tried = [larger for larger in LARGER_GRIDS if larger > grid]
+        for larger in tried:
             try:
                 _encode(pattern, layouts_, BodyFrame.standard(larger))
             except EncodeError:
                 continue
             raise EncodeError(
-                f"{error}; it fits a grid of {larger} (asked for {grid})", grid=larger
+                f"{error}; it fits a grid of {larger}: --grid {larger}, or grid={larger} in Python",
+                grid=larger,
             ) from None
-        raise
+        if not tried:
+            raise
+        raise EncodeError(
+            f"{error}; nor does it fit a grid of {' or '.join(map(str, tried))}"
+        ) from None
 
 
 class _Kept:
@@ -143,7 +151,25 @@ def _drawings(
                 paths = joined_links(drawing, lattice_paths(drawing, fine, radius, in_order))
                 yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
-                yield error
+                yield EncodeError(f"{error}{_crossing(layout)}")
+
+
+def _crossing(layout: Layout) -> str:
+    """For a message: the panels of two seams that cross when the garment is laid flat, if any."""
+    import shapely
+
+    arcs, panels = layout.complex.arcs, layout.complex.placed.panels
+    lines = [shapely.LineString(curve) for curve in layout.curves]
+    pairs = shapely.STRtree(lines).query(lines, predicate="intersects").T
+    for i, j in sorted(map(tuple, pairs.tolist())):
+        a, b = arcs[i], arcs[j]
+        if i < j and set(a.layers) & set(b.layers) and not {a.a, a.b} & {b.a, b.b}:
+            names = sorted({panels[side[0]].source for side in (*a.sides, *b.sides)})
+            return (
+                f" (laid flat, seams of panels {', '.join(map(quoted, names))} cross; leave a "
+                "panel out or check where it is placed)"
+            )
+    return ""
 
 
 def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> list[Path]:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.errors import ImageError, OutputError
+from garmentimage.errors import ImageError, OutputError, check_type
 from garmentimage.files import shown_path, write_atomically
 from garmentimage.raster.arrays import (
     NPY_MAGIC,
@@ -53,7 +53,9 @@ def save_image(image: GarmentImage, path: str | Path) -> None:
     Raises:
         OutputError: the name ends otherwise, or the file cannot be written.
         ImageError: a `.npy` of an image that has not two layers.
+        TypeError: it is no GarmentImage.
     """
+    check_type(image, GarmentImage, "encode(pattern) makes one")
     path = Path(path)
     match path.suffix.lower():
         case ".npz":

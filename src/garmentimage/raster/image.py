@@ -190,7 +190,9 @@ def check_channels(array: np.ndarray) -> np.ndarray:
     try:
         array = np.asarray(array, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise ImageError(f"channels are not an array of numbers: {error}") from None
+        raise ImageError(
+            f"channels are not an array of numbers ({error}); load_image(path) reads a file"
+        ) from None
     if array.ndim != 3 or array.shape[1] != array.shape[2]:
         raise ImageError(f"channels have shape {array.shape}; wanted [17 x layers, N, N]")
     count, grid = array.shape[0], array.shape[1]

@@ -220,7 +220,12 @@ def find_problems(
     problems, at_fault = [], set()
     shapes = []
     for i, panel in enumerate(panels):
-        rings = [_ring(complex, curves, i, loop) for loop in panel.loops]
+        rings = [
+            _ring(complex, curves, i, loop)
+            for loop in panel.loops
+            # A hole sewn up by itself, a fish-eye dart, leaves nothing out.
+            if not all(complex.arcs[complex.owner[i, k][0]].slit for k in loop)
+        ]
         shape, folded = _largest_part(shapely.Polygon(rings[0], rings[1:]))
         if folded > FOLD_TOL or signed_area(rings[0]) * panel.sign <= 0:
             problems.append(f"panel {panel.name!r} folds over itself")

@@ -52,7 +52,7 @@ def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Pat
     _polish(
         table, lens, drawing.tail, drawing.head, drawing.layers, drawing.on_axis,
         drawing.node_target, drawing.node_layers, drawing.node_on_axis, targets, starts,
-        drawing.least, drawing.wish, width, low, high, axis,
+        drawing.least, drawing.wish, drawing.weight, drawing.node_weight, width, low, high, axis,
     )  # fmt: skip
     return [
         np.stack([table[i, :n] % width, table[i, :n] // width], axis=1) for i, n in enumerate(lens)
@@ -83,13 +83,13 @@ def _direction(a, b, width):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _energy(table, n, field, wish, least):  # type: ignore[no-untyped-def]
+def _energy(table, n, field, wish, pull, least):  # type: ignore[no-untyped-def]
     total = STEP_COST * (n - 1) + TOO_SHORT * max(least - (n - 1), 0)
     for k in range(1, n - 1):
         total += field[table[k]]
     missing = wish - (n - 1)
     if missing > 0:
-        total += SHAPE_PULL * missing * missing
+        total += pull * missing * missing
     return total
 
 
@@ -105,7 +105,8 @@ def _allowed(vertex, width, low, high, axis, on_axis):  # type: ignore[no-untype
 
 @njit(cache=True)
 def _draw(  # type: ignore[no-untyped-def]
-    start, goal, mask, on_axis, field, wish, least, busy, width, low, high, axis, limit, work, out
+    start, goal, mask, on_axis, field, wish, pull, least, busy, width, low, high, axis, limit,
+    work, out,
 ):  # fmt: skip
     """Cheapest free path from start to goal below `limit`; number of vertices, or 0.
 
@@ -130,7 +131,7 @@ def _draw(  # type: ignore[no-untyped-def]
             longer = min(length + 1, cap)
             if other == goal:
                 missing = wish - longer
-                total = key + STEP_COST + (SHAPE_PULL * missing * missing if missing > 0 else 0.0)
+                total = key + STEP_COST + (pull * missing * missing if missing > 0 else 0.0)
                 total += TOO_SHORT * max(least - longer, 0)
                 if total < best - GAIN:
                     best = total
@@ -221,9 +222,10 @@ def _same_cycle(a, b):  # type: ignore[no-untyped-def]
 @njit(cache=True)
 def _polish(  # type: ignore[no-untyped-def]
     table, lens, tail, head, mask, arc_on_axis, node_target, node_layers, node_on_axis, targets,
-    starts, least, wish, width, low, high, axis,
+    starts, least, wish, weight, node_weight, width, low, high, axis,
 ):  # fmt: skip
     arcs, nodes, size = len(lens), len(node_target), width * width
+    pull, node_pull = SHAPE_PULL * weight, NODE_PULL * node_weight
     fields = np.empty((arcs, size))
     grid = np.empty((width, width))
     for i in range(arcs):
@@ -233,7 +235,7 @@ def _polish(  # type: ignore[no-untyped-def]
         for k in range(lens[i]):
             worst = max(worst, flat[table[i, k]] + 1e-9)
         for v in range(size):
-            fields[i, v] = flat[v] if flat[v] <= worst else FAR
+            fields[i, v] = weight[i] * flat[v] if flat[v] <= worst else FAR
     busy = np.zeros((2, size), np.bool_)
     where = np.full(nodes, -1, np.int64)
     degree = np.zeros(nodes, np.int64)
@@ -255,7 +257,7 @@ def _polish(  # type: ignore[no-untyped-def]
                     busy[layer, where[n]] = True
     energy = np.empty(arcs)
     for i in range(arcs):
-        energy[i] = _energy(table[i], lens[i], fields[i], wish[i], least[i])
+        energy[i] = _energy(table[i], lens[i], fields[i], wish[i], pull[i], least[i])
     work = (
         np.empty(size * MOST_STATES),
         np.empty(size * MOST_STATES, np.int64),
@@ -275,7 +277,7 @@ def _polish(  # type: ignore[no-untyped-def]
             _mark(table[i], lens[i], mask[i], busy, False)
             count, _ = _draw(
                 table[i, 0], table[i, lens[i] - 1], mask[i], arc_on_axis[i], fields[i], wish[i],
-                least[i], busy, width, low, high, axis, energy[i] - GAIN, work, out,
+                pull[i], least[i], busy, width, low, high, axis, energy[i] - GAIN, work, out,
             )  # fmt: skip
             if count:
                 old[0, : lens[i]] = table[i, : lens[i]]
@@ -295,7 +297,7 @@ def _polish(  # type: ignore[no-untyped-def]
                     for k in range(count):
                         table[i, k] = out[k]
                     lens[i] = count
-                    energy[i] = _energy(table[i], lens[i], fields[i], wish[i], least[i])
+                    energy[i] = _energy(table[i], lens[i], fields[i], wish[i], pull[i], least[i])
                     moved = True
             _mark(table[i], lens[i], mask[i], busy, True)
         for n in range(nodes):
@@ -308,7 +310,7 @@ def _polish(  # type: ignore[no-untyped-def]
                 gx, gy = goal % width, goal // width
                 hx, hy = where[n] % width, where[n] // width
                 tx, ty = node_target[n, 0], node_target[n, 1]
-                delta = NODE_PULL * (
+                delta = node_pull[n] * (
                     (gx - tx) ** 2 + (gy - ty) ** 2 - (hx - tx) ** 2 - (hy - ty) ** 2
                 )
                 total = 0.0
@@ -348,8 +350,8 @@ def _polish(  # type: ignore[no-untyped-def]
                         i = star[n, q]
                         a, b = where[tail[i]], where[head[i]]
                         count, _ = _draw(
-                            a, b, mask[i], arc_on_axis[i], fields[i], wish[i], least[i], busy,
-                            width, low, high, axis, total - spent, work, out,
+                            a, b, mask[i], arc_on_axis[i], fields[i], wish[i], pull[i], least[i],
+                            busy, width, low, high, axis, total - spent, work, out,
                         )  # fmt: skip
                         if count == 0:
                             good = False
@@ -359,7 +361,7 @@ def _polish(  # type: ignore[no-untyped-def]
                         lens[i] = count
                         _mark(table[i], lens[i], mask[i], busy, True)
                         done = q + 1
-                        spent += _energy(table[i], lens[i], fields[i], wish[i], least[i])
+                        spent += _energy(table[i], lens[i], fields[i], wish[i], pull[i], least[i])
                         if spent >= total - GAIN:
                             good = False
                             break
@@ -378,7 +380,9 @@ def _polish(  # type: ignore[no-untyped-def]
                 if good:
                     for q in range(star_n[n]):
                         i = star[n, q]
-                        energy[i] = _energy(table[i], lens[i], fields[i], wish[i], least[i])
+                        energy[i] = _energy(
+                            table[i], lens[i], fields[i], wish[i], pull[i], least[i]
+                        )
                     moved = True
                     continue
                 # Put everything back.

@@ -100,7 +100,7 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
     on_axis = node_image == np.arange(len(node_image))
     targets[on_axis, 0] = axis
     tail, head, layers, free, arc_axis = [], [], [], [], []
-    curves, least, need, wish, kept, crossing = [], [], [], [], [], []
+    curves, least, need, wish, weight, kept, crossing = [], [], [], [], [], [], []
     node_targets, node_layers, node_axis = list(targets), list(drawing.node_layers), list(on_axis)
     for i, (j, back) in enumerate(zip(mirror.partner, mirror.reverse)):
         curve = _even(drawing.curves[i]) - [middle, 0]
@@ -133,6 +133,7 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
         needed = max(int(drawing.need[i]), int(drawing.need[j]))
         need.append((needed + 1) // 2 if side else needed)
         wish.append(max(share * max(drawing.wish[i], drawing.wish[j]), 1.0))
+        weight.append((drawing.weight[i] + drawing.weight[j]) / 2)
         kept.append(i)
         crossing.append(side)
     half = replace(
@@ -149,6 +150,7 @@ def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
         least=np.array(least),
         need=np.array(need),
         wish=np.array(wish),
+        weight=np.array(weight),
         axis=axis,
     )
     half = _with_axis_links(half)
@@ -240,6 +242,7 @@ def _with_axis_link(half: Drawing, node: int, arc: int, at_head: bool) -> Drawin
         least=np.append(half.least, 1),
         need=np.append(half.need, 1),
         wish=np.append(half.wish, 1.0),
+        weight=np.append(half.weight, half.weight[arc]),
         links=(*half.links, (arc, link, at_head)),
     )
 

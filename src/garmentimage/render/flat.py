@@ -30,6 +30,15 @@ NUMBER_SPACE = 1.3
 """A number's middle keeps this many sizes of the lettering away from a name."""
 _LETTER_WIDTH = 0.62
 """Mean width of a letter, in sizes of the lettering."""
+GRAIN_SHARE = 0.14
+"""Half of a grain arrow, as a share of the panel along the grain; it shrinks to find room ..."""
+GRAIN_SIZES = (1.0, 0.7, 0.5, 0.35)
+"""... to these shares of it."""
+GRAIN_SPACES = (1.8, 0.4)
+"""An arrow keeps this many sizes of the lettering away from the panel's edges: where there is room
+so many that it clears the numbers beside them."""
+GRAIN_SPOTS = 25
+"""Places for an arrow that are tried along each side of the panel's box."""
 NUMBER_LIMIT = 60
 """With more seams than this the numbers would hide the drawing and are left out."""
 NAME_LIMIT = 40
@@ -59,7 +68,7 @@ def draw_pattern(pattern: Pattern, ax: "Axes", *, arrangement: Arrangement = "wo
     _draw_edges(placed, seams, ax)
     for p in placed:
         if p.panel.grain is not None:
-            _draw_grain(p, letter, ax)
+            _draw_grain(p, letter, ax, named=len(placed) <= NAME_LIMIT)
         if len(placed) <= NAME_LIMIT:
             _draw_name(p, letter, ax)
         if max(seams.values(), default=0) <= NUMBER_LIMIT:
@@ -203,22 +212,50 @@ def _beside_edge(
     return middle + inset * inward * normal
 
 
-def _draw_grain(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
+def _draw_grain(placed: PlacedPanel, letter: float, ax: "Axes", *, named: bool) -> None:
+    ends = _grain_arrow(placed, letter, named=named)
+    if ends is not None:
+        ax.annotate(
+            "",
+            ends[1],
+            ends[0],
+            arrowprops={"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6},
+            zorder=3,
+        )
+
+
+def _grain_arrow(
+    placed: PlacedPanel, letter: float, *, named: bool
+) -> Float[np.ndarray, "2 2"] | None:
+    """Ends of the longest arrow along the grain that lies on cloth and clear of the panel's name.
+
+    Of arrows as long, the one nearest above the name; None where not even a short one has room.
+    """
+    import shapely
+
     assert placed.panel.grain is not None
-    polygon = placed.polygon
     along = placed.matrix @ np.array(placed.panel.grain)
-    reach = polygon @ along
-    half = 0.14 * float(reach.max() - reach.min())
-    # The panel's name stands at the inner point; the arrow ends above it.
     upwards = along if along[1] >= 0 else -along
-    middle = _inner_point(placed) + (half + 1.2 * letter) * upwards
-    ax.annotate(
-        "",
-        middle + half * along,
-        middle - half * along,
-        arrowprops={"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6},
-        zorder=3,
-    )
+    outline, *holes = (placed.place(loop.polygon) for loop in placed.panel.loops)
+    cloth = shapely.Polygon(outline, holes).buffer(0)
+    name = _lettering(placed, letter)
+    turn = np.deg2rad(name.angle)
+    half_name = name.length / 2 * np.array([np.cos(turn), np.sin(turn)])
+    line = shapely.LineString([name.middle - half_name, name.middle + half_name])
+    lettering = line.buffer(letter) if named else shapely.Polygon()
+    low, high = bounds([placed])
+    axes = [np.linspace(a, b, GRAIN_SPOTS) for a, b in zip(low, high)]
+    spots = np.stack(np.meshgrid(*axes), axis=2).reshape(-1, 2)
+    longest = GRAIN_SHARE * float(np.ptp(outline @ along))
+    for space in GRAIN_SPACES:
+        room = cloth.buffer(-space * letter).difference(lettering)
+        for half in longest * np.array(GRAIN_SIZES):
+            above = name.middle + (half + letter) * upwards
+            ends = np.stack([spots - half * along, spots + half * along], axis=1)
+            free = ends[shapely.contains(room, shapely.linestrings(ends))]
+            if len(free):
+                return free[np.argmin(np.hypot(*(free.mean(axis=1) - above).T))]
+    return None
 
 
 def _inner_point(placed: PlacedPanel) -> Float[np.ndarray, " 2"]:

@@ -28,7 +28,9 @@ TYPES_HEIGHT = 1 + TITLE_SHARE + LEGEND_SHARE
 CELLS_HEIGHT = 1 + TITLE_SHARE + CAPTION_SHARE
 """Heights of the drawings of `draw_image` and `draw_cells`, in grids."""
 LEGEND_NOTE = "Colour is the type of a grid edge here; in patterns, with a number, it is the seam."
-CELLS_CAPTION = "Deformation: each cell as its own piece of cloth, all in one scale."
+CELLS_CAPTION = (
+    "Deformation: each cell's cloth, all in one scale. On the body, grid cells are unequal."
+)
 QUAD_SHARE = 0.8
 """How much of its cell a deformed quadrilateral of middling size fills."""
 _SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
