@@ -22,6 +22,7 @@ ROOMS = (
     {"body"},
     {"draft"},
     {"raster"},
+    {"drape"},
     {"metrics", "render", "examples"},
 )
 """The way the data goes; a room imports from itself and from what stands before its step.
@@ -29,7 +30,7 @@ ROOMS = (
 Modules beside the rooms that are not named here (commands and the like) are the rim: they may
 import everything, and no room imports them."""
 
-HEAVY = ("scipy", "numba", "matplotlib", "shapely", "torch")
+HEAVY = ("scipy", "numba", "matplotlib", "shapely", "trimesh", "torch")
 IMPORT_LIMIT_S = 0.25
 
 # Words that say who works on the project, and how; spelled so that this file does not hold them.

@@ -1,0 +1,1 @@
+"""Cloth on a body: panel meshes sewn together, put round the body, and simulated until at rest."""

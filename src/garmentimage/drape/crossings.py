@@ -1,0 +1,79 @@
+"""Where cloth passes through cloth."""
+
+import numpy as np
+from jaxtyping import Float, Int
+from numba import njit
+
+
+def crossing_count(points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]) -> int:
+    """How many triangles pass through another that has no vertex in common with them."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    longest = np.linalg.norm(points[faces] - points[np.roll(faces, 1, axis=1)], axis=2).max()
+    size = max(float(longest), float((high - low).max()) / MOST_BINS, 1e-6)
+    shape = np.floor((high - low) / size).astype(np.int64) + 1
+    bins = np.floor((points[faces].mean(axis=1) - low) / size).astype(np.int64)
+    key = (bins[:, 0] * shape[1] + bins[:, 1]) * shape[2] + bins[:, 2]
+    order = np.argsort(key, kind="stable")
+    first = np.searchsorted(key[order], np.arange(int(shape.prod()) + 1))
+    return int(_count(points, faces.astype(np.int64), bins, order, first, shape))
+
+
+MOST_BINS = 128
+"""Bins along the longest extent of the cloth."""
+
+
+@njit(cache=True)
+def _count(points, faces, bins, order, first, shape):  # type: ignore[no-untyped-def]
+    """Two triangles can only meet where their centres lie in the same bin or in neighbours."""
+    crossed = np.zeros(len(faces), np.bool_)
+    for f in range(len(faces)):
+        for i in range(max(bins[f, 0] - 1, 0), min(bins[f, 0] + 2, shape[0])):
+            for j in range(max(bins[f, 1] - 1, 0), min(bins[f, 1] + 2, shape[1])):
+                row = (i * shape[1] + j) * shape[2]
+                start = first[row + max(bins[f, 2] - 1, 0)]
+                stop = first[row + min(bins[f, 2] + 1, shape[2] - 1) + 1]
+                for other in order[start:stop]:
+                    if other <= f or (crossed[f] and crossed[other]):
+                        continue
+                    if _cross(points, faces[f], faces[other]):
+                        crossed[f] = crossed[other] = True
+    return crossed.sum()
+
+
+@njit(cache=True)
+def _cross(points, a, b):  # type: ignore[no-untyped-def]
+    for i in range(3):
+        for j in range(3):
+            if a[i] == b[j]:
+                return False
+    for k in range(3):
+        a_low = min(points[a[0], k], points[a[1], k], points[a[2], k])
+        a_high = max(points[a[0], k], points[a[1], k], points[a[2], k])
+        b_low = min(points[b[0], k], points[b[1], k], points[b[2], k])
+        b_high = max(points[b[0], k], points[b[1], k], points[b[2], k])
+        if a_high < b_low or b_high < a_low:
+            return False
+    for i in range(3):
+        if _pierces(points, a[i], a[(i + 1) % 3], b) or _pierces(points, b[i], b[(i + 1) % 3], a):
+            return True
+    return False
+
+
+@njit(cache=True)
+def _pierces(points, start, end, face):  # type: ignore[no-untyped-def]
+    """Whether the segment from `start` to `end` goes through the triangle `face`."""
+    p, q = points[start], points[end]
+    a, b, c = points[face[0]], points[face[1]], points[face[2]]
+    if (_volume(a, b, c, p) > 0) == (_volume(a, b, c, q) > 0):
+        return False
+    side = _volume(p, q, a, b) > 0
+    return (_volume(p, q, b, c) > 0) == side and (_volume(p, q, c, a) > 0) == side
+
+
+@njit(cache=True)
+def _volume(a, b, c, d):  # type: ignore[no-untyped-def]
+    """Six times the signed volume of a tetrahedron."""
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    wx, wy, wz = d[0] - a[0], d[1] - a[1], d[2] - a[2]
+    return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx)

@@ -1,0 +1,87 @@
+"""Items: the connected pieces of clothing of a pattern, and what each hangs from.
+
+Words of this file:
+
+- An **item** is all cloth that is sewn together. A pattern may hold several: a top, and trousers
+  that are not sewn to it.
+- An item **hangs** where some of it lies on the shoulders or above; else it is **held**: the line
+  of its topmost opening, a waistband or the edge of a strapless bodice, keeps its height, as a
+  belt or an elastic would do.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from garmentimage.body.body import Body
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.openings import openings
+
+SHOULDER_SHARE = 0.785
+"""Height of the shoulders as a share of the stature, where a body has no landmark for them."""
+
+BELT = 6.0
+"""Only what lies less than this below the top of an opening is held [cm]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """One connected piece of clothing."""
+
+    vertices: Int[np.ndarray, " n"]
+    held: Int[np.ndarray, " m"]
+    """Vertices that keep their height; none where the item hangs."""
+
+
+def items(
+    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], body: Body, *, tucked: bool = False
+) -> tuple[Item, ...]:
+    """The items of a garment, in the order in which they are put on.
+
+    Held items (skirts, trousers) come first and hanging ones (tops) over them, or after them
+    where the top is `tucked` in; of two that hang, the one with less cloth comes first.
+
+    Args:
+        cloth: the sewn garment.
+        start: where its vertices start, round the body [cm].
+        body: who wears it.
+        tucked: tops are worn under skirts and trousers.
+    """
+    faces = cloth.vertex_faces
+    count = cloth.vertex_count
+    links = coo_array(
+        (np.ones(2 * len(faces)), (faces[:, [0, 1]].T.ravel(), faces[:, [1, 2]].T.ravel())),
+        shape=(count, count),
+    )
+    number, label = connected_components(links, directed=False)
+    label_of_face = label[faces[:, 0]]
+    found = []
+    for k in range(number):
+        own = faces[label_of_face == k]
+        held = _held(own, start) if start[own, 1].max() < shoulder_height(body) else _NONE
+        found.append((bool(len(held)) == tucked, len(own), k, held))
+    found.sort(key=lambda item: item[:3])
+    return tuple(Item(np.flatnonzero(label == k), held) for _, _, k, held in found)
+
+
+_NONE = np.zeros(0, np.int64)
+
+
+def shoulder_height(body: Body) -> float:
+    """Height of the shoulder joints [cm]."""
+    joint = body.landmarks.get("left_shoulder_joint")
+    if joint is not None:
+        return float(joint[1])
+    return SHOULDER_SHARE * float(body.vertices[:, 1].max())
+
+
+def _held(faces: np.ndarray, start: np.ndarray) -> Int[np.ndarray, " m"]:
+    lines = openings(faces)
+    if not lines:
+        return _NONE
+    top = max(lines, key=lambda line: float(start[line, 1].mean()))
+    heights = start[top, 1]
+    return np.unique(top[heights > heights.max() - BELT])

@@ -1,0 +1,155 @@
+"""Judging a drape: what a buyer would ask, and what makes it a failure."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from garmentimage.body.body import Body
+from garmentimage.drape.crossings import crossing_count
+from garmentimage.drape.field import body_field
+from garmentimage.drape.items import Item, shoulder_height
+from garmentimage.drape.openings import BONES, bones, openings, turns
+from garmentimage.drape.rest import Rest, strain
+from garmentimage.drape.solver import Motion
+from garmentimage.drape.worn import DrapeReport
+
+DEEPEST = 0.5
+"""A vertex may lie this far under the skin [cm]."""
+STRAIN_PERCENTILE = 99
+MOST_STRAIN = 0.25
+"""All but a hundredth of the cloth may stretch by this share."""
+MOST_SLID = 3.0
+"""A garment may lie this far from where it is worn [cm]."""
+SHOULDER_SHARE = 0.1
+"""Half the breadth of the shoulders as a share of the stature, where no landmark tells it."""
+
+
+def judge(
+    rest: Rest,
+    start: Float[np.ndarray, "vertex 3"],
+    points: Float[np.ndarray, "vertex 3"],
+    body: Body,
+    items: tuple[Item, ...],
+    motions: tuple[Motion, ...],
+    *,
+    seconds: float,
+) -> DrapeReport:
+    """What came of a drape.
+
+    Args:
+        rest: the cloth.
+        start: where its vertices began [cm].
+        points: where they are now [cm].
+        body: who wears it.
+        items: its connected pieces ...
+        motions: ... and how each of them moved.
+        seconds: what it took so far.
+    """
+    settled = all(m.settled for m in motions)
+    frames = max(m.frames for m in motions)
+    speed = max(float(m.speeds[-1]) for m in motions)
+    above = body_field(body).at(points)
+    penetration = max(0.0, -float(above.min()))
+    stretch = float(np.percentile(strain(rest, points), STRAIN_PERCENTILE))
+    slid = _slid(start, points, above, body, items)
+    return DrapeReport(
+        settled=settled,
+        frames=frames,
+        speed=speed,
+        penetration=penetration,
+        strain=stretch,
+        slid=slid,
+        crossings=crossing_count(points, rest.faces),
+        held=sum(len(i.held) for i in items) / len(points),
+        items=len(items),
+        faults=(
+            *_motion_faults(settled, frames, speed, penetration, stretch, slid),
+            *_limb_faults(rest.faces, start, points, body),
+        ),
+        seconds=seconds,
+    )
+
+
+def _slid(
+    start: np.ndarray,
+    points: np.ndarray,
+    above: np.ndarray,
+    body: Body,
+    items: tuple[Item, ...],
+) -> Mapping[str, float]:
+    """How far each item lies from where it is worn, the worst of each kind [cm].
+
+    At the waist, what is held: its height, and its way to the side. On the shoulders, the cloth
+    that began over them: its distance from the skin, and its way to the side.
+    """
+    slid: dict[str, float] = {}
+    for item in items:
+        if len(item.held):
+            name, where = "waist", item.held
+            off = abs(float((points - start)[where, 1].mean()))
+        else:
+            name, where = "shoulders", item.vertices[_over_shoulders(start[item.vertices], body)]
+            if not len(where):
+                continue
+            off = float(np.median(above[where]))
+        aside = abs(float((points - start)[where, 0].mean()))
+        slid[name] = max(slid.get(name, 0.0), off, aside)
+    return slid
+
+
+def _over_shoulders(start: np.ndarray, body: Body) -> Int[np.ndarray, " n"]:
+    joint = body.landmarks.get("left_shoulder_joint")
+    reach = SHOULDER_SHARE * np.ptp(body.vertices[:, 1]) if joint is None else abs(joint[0])
+    neck = body.landmarks.get("left_neck_point")
+    inner = 0.0 if neck is None else abs(neck[0])
+    aside = np.abs(start[:, 0])
+    over = (start[:, 1] > shoulder_height(body)) & (aside < reach) & (aside > inner)
+    return np.flatnonzero(over)
+
+
+def _motion_faults(
+    settled: bool,
+    frames: int,
+    speed: float,
+    penetration: float,
+    stretch: float,
+    slid: Mapping[str, float],
+) -> list[str]:
+    faults = []
+    if not settled:
+        faults.append(f"it still moved after {frames} frames ({speed:.1f} cm/s)")
+    if penetration > DEEPEST:
+        faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {DEEPEST})")
+    if stretch > MOST_STRAIN:
+        faults.append(
+            f"it is too tight: stretched by {stretch:.0%} (at most {MOST_STRAIN:.0%}); choose a "
+            "larger size or another body"
+        )
+    faults += [
+        f"it slid {far:.1f} cm from the {place} (at most {MOST_SLID:g})"
+        for place, far in slid.items()
+        if far > MOST_SLID
+    ]
+    return faults
+
+
+def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body: Body) -> list[str]:
+    """Limbs that cloth went through, and clothing with no limb in it."""
+    lines = bones(body)
+    if lines is None:
+        return []
+    limbs = tuple(BONES)[1:]
+    faults = []
+    all_turns = []
+    for opening in openings(faces):
+        before, after = turns(start[opening], lines), turns(points[opening], lines)
+        all_turns.append(after)
+        faults += [
+            f"the {limb} went through the cloth"
+            for limb, a, b in zip(limbs, before, after)
+            if a != b
+        ]
+    if not any(any(t) for t in all_turns):
+        faults.append("the body is not in the garment")
+    return sorted(set(faults))

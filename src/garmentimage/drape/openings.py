@@ -1,0 +1,109 @@
+"""Openings of a garment, and the limbs that go through them.
+
+Words of this file:
+
+- An **opening** is a closed line of cloth edges with cloth on one side only: a neckline, a hem,
+  an armhole without a sleeve.
+- A **bone** is a line from the middle of the chest through a limb and on beyond it: head, arms,
+  legs.
+- An opening **turns** round a bone as often as it goes round it. Cloth that is moved without
+  passing through the body keeps its turns, so they tell a garment that is still worn from one
+  that a limb has gone through.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from garmentimage.body.body import Body
+
+BONES: Mapping[str, tuple[str, ...]] = {
+    "head": ("neck_joint", "crown"),
+    "left arm": ("left_shoulder_joint", "left_elbow_joint", "left_wrist_joint"),
+    "right arm": ("right_shoulder_joint", "right_elbow_joint", "right_wrist_joint"),
+    "left leg": ("left_hip_joint", "left_knee_joint", "left_ankle_joint"),
+    "right leg": ("right_hip_joint", "right_knee_joint", "right_ankle_joint"),
+}
+"""Landmarks along each bone, from the chest outward."""
+
+BEYOND = 500.0
+"""How far a bone goes on beyond its last landmark [cm]."""
+
+CHEST = 0.7
+"""Height of the middle of the chest between the hips (0) and the neck (1)."""
+
+
+def bones(body: Body) -> dict[str, Float[np.ndarray, "n 3"]] | None:
+    """Every bone as a line of points [cm]; None where the body lacks a landmark."""
+    marks = {
+        **{name.replace("left", "right"): p * [-1, 1, 1] for name, p in body.landmarks.items()},
+        **body.landmarks,
+    }
+    if any(name not in marks for names in BONES.values() for name in names):
+        return None
+    hips = (marks["left_hip_joint"] + marks["right_hip_joint"]) / 2
+    chest = hips + CHEST * (marks["neck_joint"] - hips)
+    lines = {}
+    for name, names in BONES.items():
+        line = np.array([chest, *(marks[n] for n in names)])
+        way = line[-1] - line[-2]
+        lines[name] = np.vstack([line, line[-1] + BEYOND * way / np.linalg.norm(way)])
+    return lines
+
+
+def openings(faces: Int[np.ndarray, "face 3"]) -> list[Int[np.ndarray, " n"]]:
+    """The closed lines of vertices round every opening, longest first.
+
+    Where openings meet in one vertex, lines end there and go on arbitrarily but the same way on
+    every run; their turns add up all the same.
+    """
+    directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    low, high = directed.min(axis=1), directed.max(axis=1)
+    _, inverse, count = np.unique(
+        low.astype(np.int64) * (high.max() + 1) + high, return_inverse=True, return_counts=True
+    )
+    free = directed[count[inverse] == 1]
+    following: dict[int, list[int]] = {}
+    for a, b in free.tolist():
+        following.setdefault(a, []).append(b)
+    lines = []
+    while following:
+        line = [next(iter(following))]
+        while line[-1] in following:
+            ahead = following[line[-1]]
+            line.append(ahead.pop())
+            if not ahead:
+                del following[line[-2]]
+            if line[-1] == line[0]:
+                break
+        if line[-1] == line[0]:
+            lines.append(np.array(line[:-1]))
+    return sorted(lines, key=len, reverse=True)
+
+
+def turns(
+    line: Float[np.ndarray, "n 3"], bones: Mapping[str, Float[np.ndarray, "m 3"]]
+) -> tuple[int, ...]:
+    """How often a closed line goes round each bone, in the order of `BONES`, head taken off.
+
+    A line that is lifted over the middle of the chest goes round every bone once more; taking
+    off the turns round the head makes the result independent of where the chest is.
+    """
+    counts = [_signed_crossings(line, bones[name]) for name in BONES]
+    return tuple(c - counts[0] for c in counts[1:])
+
+
+def _signed_crossings(line: np.ndarray, bone: np.ndarray) -> int:
+    """Signed number of times that a bone goes through the fan spanned by a closed line."""
+    a = np.broadcast_to(line.mean(axis=0), line.shape)[:, None]
+    b, c = line[:, None], np.roll(line, -1, axis=0)[:, None]
+    p, q = bone[None, :-1], bone[None, 1:]
+    above, below = _volumes(a, b, c, p) > 0, _volumes(a, b, c, q) > 0
+    sides = np.stack([_volumes(p, q, u, v) > 0 for u, v in ((a, b), (b, c), (c, a))])
+    through = (above != below) & (sides == sides[0]).all(axis=0)
+    return int((through * np.where(above, 1, -1)).sum())
+
+
+def _volumes(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
+    return np.einsum("...k,...k->...", np.cross(b - a, c - a), d - a)

@@ -1,0 +1,128 @@
+"""What a solver needs to know of a cloth at rest, taken from the flat panels once.
+
+- An **edge** is a pair of vertices that a side of a triangle joins, counted once where triangles
+  share it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from garmentimage.drape.cloth import Cloth
+
+GATHERED = 1.05
+"""An edge whose two panels differ in length by more than this factor is gathered: it is as long as
+the shorter side, and the longer one's cloth has to fold. Elsewhere it takes their mean."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """A cloth without strain. Lengths in cm, areas in cm²."""
+
+    faces: Int[np.ndarray, "face 3"]
+    """Vertices of each triangle, in the order of the cloth's faces."""
+    edges: Int[np.ndarray, "edge 2"]
+    """Vertices of each edge, the smaller number first; sorted."""
+    length: Float[np.ndarray, " edge"]
+    """Rest length of each edge."""
+    area: Float[np.ndarray, " edge"]
+    """Area of the triangles at each edge: a stretch stiffness is modulus x area / length²."""
+    vertex_area: Float[np.ndarray, " vertex"]
+    """Cloth that each vertex carries: a third of each triangle round it."""
+    face_area: Float[np.ndarray, " face"]
+    """Area of each triangle."""
+    inverse: Float[np.ndarray, "face 2 2"]
+    """Inverse of the matrix whose columns go from a flat triangle's first corner to the others."""
+
+    def part(self, vertices: Int[np.ndarray, " n"]) -> "Rest":
+        """Only these vertices, numbered in their order, and the triangles between them.
+
+        Args:
+            vertices: in rising order; all or none of each triangle's.
+        """
+        number = np.full(len(self.vertex_area), -1)
+        number[vertices] = np.arange(len(vertices))
+        faces, edges = number[self.faces], number[self.edges]
+        own_faces, own_edges = faces[:, 0] >= 0, edges[:, 0] >= 0
+        return Rest(
+            faces=faces[own_faces],
+            edges=edges[own_edges],
+            length=self.length[own_edges],
+            area=self.area[own_edges],
+            vertex_area=self.vertex_area[vertices],
+            face_area=self.face_area[own_faces],
+            inverse=self.inverse[own_faces],
+        )
+
+
+def rest_of(cloth: Cloth) -> Rest:
+    """Rest lengths, areas and matrices of a cloth."""
+    faces = cloth.vertex_faces
+    flat = cloth.flat[cloth.faces]
+    to_second, to_third = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
+    doubled = _cross(to_second, to_third)
+    face_area = np.abs(doubled) / 2
+    edges, edge, length = _edges(faces, flat, cloth.vertex_count)
+    return Rest(
+        faces=faces,
+        edges=edges,
+        length=length,
+        area=np.bincount(edge, np.tile(face_area, 3)),
+        vertex_area=np.bincount(
+            faces.ravel(), np.repeat(face_area / 3, 3), minlength=cloth.vertex_count
+        ),
+        face_area=face_area,
+        inverse=_inverse(to_second, to_third, doubled),
+    )
+
+
+def strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> Float[np.ndarray, " face"]:
+    """How much longer than at rest each triangle is in the direction that stretches most.
+
+    0 at rest, 0.1 where a direction is 10 % longer; negative where all are shorter. The largest
+    singular value of the deformation gradient, less 1.
+    """
+    x = points[rest.faces]
+    first, second = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
+    m = rest.inverse
+    u = first * m[:, 0, 0, None] + second * m[:, 1, 0, None]
+    v = first * m[:, 0, 1, None] + second * m[:, 1, 1, None]
+    uu, vv, uv = ((a * b).sum(axis=1) for a, b in ((u, u), (v, v), (u, v)))
+    return np.sqrt((uu + vv) / 2 + np.hypot((uu - vv) / 2, uv)) - 1
+
+
+def _edges(
+    faces: Int[np.ndarray, "face 3"], flat: Float[np.ndarray, "face 3 2"], vertex_count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The edges, the edge of each triangle's side (first sides first), and rest lengths [cm]."""
+    start, end = faces.T.ravel(), faces[:, (1, 2, 0)].T.ravel()
+    along = (flat[:, (1, 2, 0)] - flat).transpose(1, 0, 2).reshape(-1, 2)
+    key, edge = np.unique(
+        np.minimum(start, end) * vertex_count + np.maximum(start, end), return_inverse=True
+    )
+    edges = np.stack([key // vertex_count, key % vertex_count], axis=1)
+    return edges, edge, _rest_length(edge, np.hypot(*along.T), len(key))
+
+
+def _rest_length(
+    edge: Int[np.ndarray, " side"], length: Float[np.ndarray, " side"], count: int
+) -> Float[np.ndarray, " edge"]:
+    """Mean length of each edge's sides; the least where they are gathered [cm]."""
+    mean = np.bincount(edge, length) / np.bincount(edge)
+    least, most = np.full(count, np.inf), np.zeros(count)
+    np.minimum.at(least, edge, length)
+    np.maximum.at(most, edge, length)
+    return np.where(most > GATHERED * least, least, mean)
+
+
+def _inverse(
+    u: Float[np.ndarray, "face 2"], v: Float[np.ndarray, "face 2"], det: Float[np.ndarray, " face"]
+) -> Float[np.ndarray, "face 2 2"]:
+    """Inverse of the matrix with columns u and v, whose determinant is `det`."""
+    rows = np.stack([v[:, 1], -v[:, 0], -u[:, 1], u[:, 0]], axis=1) / det[:, None]
+    return rows.reshape(-1, 2, 2)
+
+
+def _cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]

@@ -1,0 +1,50 @@
+"""Which edge and which seam the corners of a cloth lie on, and its normals across seams."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from garmentimage.drape.cloth import Cloth
+
+NONE = -1
+"""Number of the edge or the seam of a corner that lies on none."""
+
+
+def corner_edges(cloth: Cloth) -> Int[np.ndarray, " corner"]:
+    """Number of the edge in its panel that each corner lies on, or `NONE`.
+
+    A corner between two edges counts to the one that starts there.
+    """
+    edges = np.full(len(cloth.flat), NONE)
+    for side, corners in cloth.sides.items():
+        edges[corners[:-1]] = side.edge
+    return edges
+
+
+def corner_seams(cloth: Cloth) -> Int[np.ndarray, " corner"]:
+    """Number of the first stitch of the pattern that joins each corner, or `NONE`."""
+    seams = np.full(len(cloth.flat), NONE)
+    for number, stitch in reversed(list(enumerate(cloth.pattern.stitches))):
+        for side in stitch.sides:
+            seams[cloth.sides[side]] = number
+    return seams
+
+
+def seam_vertices(cloth: Cloth) -> list[Int[np.ndarray, " n"]]:
+    """For every stitch its vertices, from the start of its first side to the end."""
+    return [cloth.vertex[cloth.sides[stitch.a]] for stitch in cloth.pattern.stitches]
+
+
+def vertex_normals(
+    cloth: Cloth, points: Float[np.ndarray, "vertex 3"]
+) -> Float[np.ndarray, "vertex 3"]:
+    """Unit normals of the outer face, smooth across seams: means weighted by the faces' areas."""
+    faces = cloth.vertex_faces
+    a, b, c = np.moveaxis(points[faces], 1, 0)
+    normal = np.cross(b - a, c - a)
+    count = len(points)
+    total = np.stack(
+        [np.bincount(faces.T.ravel(), np.tile(n, 3), minlength=count) for n in normal.T], axis=1
+    )
+    size = np.linalg.norm(total, axis=1, keepdims=True)
+    # Where faces of a fold cancel out, any unit direction will do.
+    return np.where(size > 0, total / np.where(size > 0, size, 1.0), [0.0, 1.0, 0.0])

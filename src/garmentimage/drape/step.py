@@ -1,0 +1,193 @@
+"""One step of the cloth after the other, as fast as a machine can: the loops behind `solver`.
+
+All arrays are changed in place. `points` are the vertices [cm] and `moved` is how far each went in
+the last step [cm].
+"""
+
+import numpy as np
+from numba import njit
+
+from garmentimage.drape.field import sample
+
+FRAME = 1.0 / 60.0
+"""[s]"""
+LOOK_AHEAD = 0.1
+"""Forces are taken at the places this share of a step later."""
+BEND_LOOK_AHEAD = 0.5
+"""Bending forces are taken at the places this share of their time of use later."""
+WARY = 0.8
+"""Far from the body, a vertex can count on this share of the distance field's value."""
+MOST_REST = 1000
+"""A vertex far from the body is looked at again after so many refreshes, at the latest."""
+SHORTEST = 1e-9
+"""Keeps the direction of a spring of no length finite [cm]."""
+
+
+@njit(cache=True)
+def simulate(points, speeds, springs, bending, masses, held, field, cloth, counts, rates):
+    """Move `points` until at rest; returns the frames taken and whether rest was reached."""
+    ends, lengths, stiffness = springs
+    lightness, weight_share = masses
+    thickness, friction, damping = cloth
+    gather_frames, least_frames, substeps, refresh = counts
+    gather_damping, top_speed, push_speed, stop_speed, gravity = rates
+    step = FRAME / substeps
+    count = len(points)
+    moved = np.zeros((count, 3))
+    ahead = np.empty((count, 3))
+    force = np.empty((count, 3))
+    bend_force = np.zeros((count, 3))
+    planes = np.zeros((count, 4))
+    planes[:, 3] = -np.inf
+    rest = np.zeros(count, np.int64)
+    reach = top_speed * step * refresh
+    for frame in range(len(speeds)):
+        gathering = frame < gather_frames
+        keep = np.exp(-(gather_damping if gathering else damping) * step)
+        fall = 0.0 if gathering else -gravity * step * step
+        grip = 0.0 if gathering else friction
+        for substep in range(substeps):
+            if substep % refresh == 0:
+                _look_ahead(points, moved, BEND_LOOK_AHEAD * refresh, ahead)
+                _bend(ahead, bending, bend_force)
+                _find_planes(points, field, thickness, reach, planes, rest)
+            _look_ahead(points, moved, LOOK_AHEAD, ahead)
+            force[:] = bend_force
+            _stretch(ahead, ends, lengths, stiffness, force)
+            for i in range(count):
+                pace = lightness[i] * step * step
+                x = moved[i, 0] * keep + force[i, 0] * pace
+                y = moved[i, 1] * keep + force[i, 1] * pace + fall * weight_share[i]
+                z = moved[i, 2] * keep + force[i, 2] * pace
+                _advance(points, moved, i, x, y, z, top_speed * step)
+            _hold(points, moved, held)
+            _collide(points, moved, planes, grip, push_speed * step)
+        speeds[frame] = _mean_length(moved) / step
+        if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
+            return frame + 1, True
+    return len(speeds), False
+
+
+@njit(cache=True)
+def _look_ahead(points, moved, share, ahead):
+    for i in range(len(points)):
+        for k in range(3):
+            ahead[i, k] = points[i, k] + share * moved[i, k]
+
+
+@njit(cache=True)
+def _stretch(points, ends, lengths, stiffness, force):
+    """Add the forces of the springs."""
+    for e in range(len(ends)):
+        a, b = ends[e, 0], ends[e, 1]
+        x = points[b, 0] - points[a, 0]
+        y = points[b, 1] - points[a, 1]
+        z = points[b, 2] - points[a, 2]
+        length = np.sqrt(x * x + y * y + z * z) + SHORTEST
+        tension = stiffness[e] * (1.0 - lengths[e] / length)
+        x *= tension
+        y *= tension
+        z *= tension
+        force[a, 0] += x
+        force[a, 1] += y
+        force[a, 2] += z
+        force[b, 0] -= x
+        force[b, 1] -= y
+        force[b, 2] -= z
+
+
+@njit(cache=True)
+def _bend(points, matrix, force):
+    """Forces of bending: minus the matrix times the places."""
+    first, column, value = matrix
+    for i in range(len(points)):
+        x = y = z = 0.0
+        for n in range(first[i], first[i + 1]):
+            j = column[n]
+            x -= value[n] * points[j, 0]
+            y -= value[n] * points[j, 1]
+            z -= value[n] * points[j, 2]
+        force[i, 0], force[i, 1], force[i, 2] = x, y, z
+
+
+@njit(cache=True)
+def _find_planes(points, field, thickness, reach, planes, rest):
+    """The plane through the body's nearest place, moved out by the thickness, for each vertex.
+
+    A plane is its unit normal n and its offset c: n . x >= c is outside. A vertex too far off to
+    get to the body before is left alone for `rest` more calls; it moves at most `reach` a call.
+    """
+    values, origin, per_cell = field
+    for i in range(len(points)):
+        if rest[i] > 0:
+            rest[i] -= 1
+            continue
+        p = points[i]
+        distance, x, y, z = sample(values, origin, per_cell, p[0], p[1], p[2])
+        clear = distance - thickness
+        rest[i] = min(max(int(clear * WARY / reach) - 1, 0), MOST_REST)
+        if rest[i] > 0:
+            planes[i, 3] = -np.inf
+            continue
+        length = np.sqrt(x * x + y * y + z * z) + SHORTEST
+        x /= length
+        y /= length
+        z /= length
+        planes[i, 0], planes[i, 1], planes[i, 2] = x, y, z
+        planes[i, 3] = x * p[0] + y * p[1] + z * p[2] - clear
+
+
+@njit(cache=True)
+def _advance(points, moved, i, x, y, z, most):
+    """Move a vertex, but no farther than `most`."""
+    length = np.sqrt(x * x + y * y + z * z)
+    share = most / length if length > most else 1.0
+    moved[i, 0], moved[i, 1], moved[i, 2] = x * share, y * share, z * share
+    points[i, 0] += moved[i, 0]
+    points[i, 1] += moved[i, 1]
+    points[i, 2] += moved[i, 2]
+
+
+@njit(cache=True)
+def _hold(points, moved, held):
+    """Pull held vertices to their targets."""
+    vertices, targets, share = held
+    for n in range(len(vertices)):
+        i = vertices[n]
+        for k in range(3):
+            shift = share[n, k] * (targets[n, k] - points[i, k])
+            points[i, k] += shift
+            moved[i, k] += shift
+
+
+@njit(cache=True)
+def _collide(points, moved, planes, friction, most):
+    """Put vertices outside the body, with friction, and stop their motion along its normal.
+
+    A push out of the body is not a motion: it leaves no speed behind.
+    """
+    for i in range(len(points)):
+        x, y, z = planes[i, 0], planes[i, 1], planes[i, 2]
+        depth = planes[i, 3] - (x * points[i, 0] + y * points[i, 1] + z * points[i, 2])
+        if depth <= 0.0:
+            continue
+        push = min(depth, most)
+        along = x * moved[i, 0] + y * moved[i, 1] + z * moved[i, 2]
+        slip_x = moved[i, 0] - along * x
+        slip_y = moved[i, 1] - along * y
+        slip_z = moved[i, 2] - along * z
+        slip = np.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
+        kept = max(0.0, 1.0 - friction * push / (slip + SHORTEST))
+        moved[i, 0], moved[i, 1], moved[i, 2] = slip_x * kept, slip_y * kept, slip_z * kept
+        points[i, 0] += push * x - slip_x * (1.0 - kept)
+        points[i, 1] += push * y - slip_y * (1.0 - kept)
+        points[i, 2] += push * z - slip_z * (1.0 - kept)
+
+
+@njit(cache=True)
+def _mean_length(vectors):
+    total = 0.0
+    for i in range(len(vectors)):
+        v = vectors[i]
+        total += np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return total / len(vectors)

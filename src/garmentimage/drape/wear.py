@@ -1,0 +1,133 @@
+"""Wearing: from a pattern to a garment at rest on a body."""
+
+import time
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.body.body import Body, load_body
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.fabric import Fabric, load_fabric
+from garmentimage.drape.field import DistanceField, body_field
+from garmentimage.drape.items import Item, items
+from garmentimage.drape.judge import judge
+from garmentimage.drape.mesh import VERTICES, mesh
+from garmentimage.drape.rest import rest_of
+from garmentimage.drape.solver import Attachment, Settings, solve
+from garmentimage.drape.stand import standing
+from garmentimage.drape.worn import Worn
+from garmentimage.errors import DrapeError
+from garmentimage.pattern.model import Pattern
+
+BELT_STIFFNESS = 1e4
+"""With which a belt keeps each vertex at its height [dyn/cm]."""
+
+
+def drape(
+    pattern: Pattern,
+    body: str | Body = "mean-female",
+    *,
+    fabric: str | Fabric = "cotton",
+    vertices: int = VERTICES,
+    tucked: bool = False,
+    made_for: float | None = None,
+    settings: Settings | None = None,
+) -> Worn:
+    """Put a garment on a body and let it come to rest; same bits on every run.
+
+    The garment is moved to where the body wears it (`stand`), cut into triangles and sewn (`mesh`),
+    and simulated (`solver`), one connected piece of clothing over the other (`items`).
+
+    Args:
+        pattern: a garment that passes `check_pattern`.
+        body: name of a shipped body, in T-pose, or a body.
+        fabric: name of a fabric, or one of your own.
+        vertices: about how many the cloth has.
+        tucked: tops are worn under skirts and trousers, not over them.
+        made_for: stature that the pattern was made for [cm]; the garment is then scaled to the
+            body's.
+        settings: of the simulation.
+
+    Returns:
+        The garment on the body. Look at `report.faults`, or call `check_worn`: a drape that went
+        wrong is returned too.
+
+    Raises:
+        DrapeError: a pattern that has no stitches or that cannot be cut into triangles.
+        DraftError: there is no body of that name.
+    """
+    began = time.perf_counter()
+    body = load_body(body) if isinstance(body, str) else body
+    fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
+    _check_sewn(pattern)
+    placed, _ = standing(pattern, body, made_for=made_for)
+    cloth = mesh(placed, vertices=vertices)
+    rest = rest_of(cloth)
+    start = start_points(cloth)
+    points, motions = start.copy(), []
+    field: DistanceField = body_field(body)
+    worn_items = items(cloth, start, body, tucked=tucked)
+    for item in worn_items:
+        part = rest.part(item.vertices)
+        motion = solve(
+            part,
+            start[item.vertices],
+            field,
+            fabric,
+            attachment=_belt(item, start),
+            settings=settings,
+        )
+        points[item.vertices] = motion.points
+        motions.append(motion)
+        if item is not worn_items[-1]:
+            field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
+    report = judge(
+        rest,
+        start,
+        points,
+        body,
+        worn_items,
+        tuple(motions),
+        seconds=time.perf_counter() - began,
+    )
+    return Worn(cloth, points, body, report)
+
+
+def check_worn(worn: Worn) -> None:
+    """Refuse a drape that went wrong.
+
+    Raises:
+        DrapeError: says all faults.
+    """
+    if worn.report.faults:
+        raise DrapeError(
+            f"the drape of {worn.cloth.pattern.name or 'the garment'} on {worn.body.name} failed: "
+            + "; ".join(worn.report.faults)
+        )
+
+
+def start_points(cloth: Cloth) -> Float[np.ndarray, "vertex 3"]:
+    """Every panel flat where the pattern puts it, sewn vertices halfway between corners [cm]."""
+    corners = np.empty((len(cloth.flat), 3))
+    for k, panel in enumerate(cloth.pattern.panels):
+        own = cloth.panel == k
+        corners[own] = panel.to_world(cloth.flat[own])
+    return cloth.sewn(corners)
+
+
+def _check_sewn(pattern: Pattern) -> None:
+    if not pattern.stitches:
+        raise DrapeError(
+            f"{pattern.name or 'the pattern'} has no stitches, so nothing holds it on a body; "
+            "sew its panels first"
+        )
+
+
+def _belt(item: Item, start: np.ndarray) -> Attachment | None:
+    """Holds an item up where nothing else does; free to move sideways."""
+    if not len(item.held):
+        return None
+    own = np.searchsorted(item.vertices, item.held)
+    stiffness = np.zeros((len(own), 3))
+    stiffness[:, 1] = BELT_STIFFNESS
+    return Attachment(own, start[item.held], stiffness)

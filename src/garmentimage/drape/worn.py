@@ -1,0 +1,49 @@
+"""A draped garment: where its cloth came to rest on the body, and how well it did."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.body.body import Body
+from garmentimage.drape.cloth import Cloth
+
+
+@dataclass(frozen=True)
+class DrapeReport:
+    """What a buyer would ask of a drape. Lengths in cm; shares from 0 to 1."""
+
+    settled: bool
+    """Whether the cloth came to rest before the last frame."""
+    frames: int
+    """Simulated frames, each a sixtieth of a second; of several items, the most."""
+    speed: float
+    """Mean speed of the vertices at the end [cm/s]."""
+    penetration: float
+    """Greatest depth of a vertex under the skin [cm]; 0 where none is."""
+    strain: float
+    """99th percentile over the triangles of the largest stretch of a direction in the panel."""
+    slid: Mapping[str, float]
+    """How far the cloth lies from where it is worn [cm], by place: `shoulders` and `waist`."""
+    crossings: int
+    """Triangles of cloth that pass through other cloth."""
+    held: float
+    """Share of the vertices that were held at their height, as by a belt."""
+    items: int
+    """Connected pieces of clothing."""
+    faults: tuple[str, ...]
+    """What went wrong, a sentence each; none for a good drape."""
+    seconds: float
+    """Time for mesh and simulation [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Worn:
+    """A garment on a body."""
+
+    cloth: Cloth
+    points: Float[np.ndarray, "vertex 3"]
+    """Where each vertex came to rest [cm], in the world of the body."""
+    body: Body
+    report: DrapeReport
