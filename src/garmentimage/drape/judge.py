@@ -21,6 +21,8 @@ MOST_STRAIN = 0.25
 """All but a hundredth of the cloth may stretch by this share."""
 MOST_SLID = 3.0
 """A garment may lie this far from where it is worn [cm]."""
+RESTING = 25
+"""So many percent of the cloth over the shoulders should rest on them; a hood's does not all."""
 SHOULDER_SHARE = 0.1
 """Half the breadth of the shoulders as a share of the stature, where no landmark tells it."""
 
@@ -81,7 +83,7 @@ def _slid(
     """How far each item lies from where it is worn, the worst of each kind [cm].
 
     At the waist, what is held: its height, and its way to the side. On the shoulders, the cloth
-    that began over them: its distance from the skin, and its way to the side.
+    that began over them: its distance from the skin where it rests, and its way to the side.
     """
     slid: dict[str, float] = {}
     for item in items:
@@ -92,7 +94,7 @@ def _slid(
             name, where = "shoulders", item.vertices[_over_shoulders(start[item.vertices], body)]
             if not len(where):
                 continue
-            off = float(np.median(above[where]))
+            off = float(np.percentile(above[where], RESTING))
         aside = abs(float((points - start)[where, 0].mean()))
         slid[name] = max(slid.get(name, 0.0), off, aside)
     return slid

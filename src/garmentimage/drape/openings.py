@@ -19,14 +19,16 @@ from jaxtyping import Float, Int
 from garmentimage.body.body import Body
 
 BONES: Mapping[str, tuple[str, ...]] = {
-    "head": ("neck_joint", "crown"),
+    "head": ("neck_joint", "face"),
     "left arm": ("left_shoulder_joint", "left_elbow_joint", "left_wrist_joint"),
     "right arm": ("right_shoulder_joint", "right_elbow_joint", "right_wrist_joint"),
     "left leg": ("left_hip_joint", "left_knee_joint", "left_ankle_joint"),
     "right leg": ("right_hip_joint", "right_knee_joint", "right_ankle_joint"),
 }
-"""Landmarks along each bone, from the chest outward."""
+"""Landmarks along each bone, from the chest outward. `face` is halfway from the neck to the crown;
+there the bone turns to the front, since a hood closes over the crown."""
 
+FORWARD = np.array([0.0, 0.0, 1.0])
 BEYOND = 500.0
 """How far a bone goes on beyond its last landmark [cm]."""
 
@@ -40,6 +42,8 @@ def bones(body: Body) -> dict[str, Float[np.ndarray, "n 3"]] | None:
         **{name.replace("left", "right"): p * [-1, 1, 1] for name, p in body.landmarks.items()},
         **body.landmarks,
     }
+    if "neck_joint" in marks and "crown" in marks:
+        marks["face"] = (marks["neck_joint"] + marks["crown"]) / 2
     if any(name not in marks for names in BONES.values() for name in names):
         return None
     hips = (marks["left_hip_joint"] + marks["right_hip_joint"]) / 2
@@ -47,7 +51,7 @@ def bones(body: Body) -> dict[str, Float[np.ndarray, "n 3"]] | None:
     lines = {}
     for name, names in BONES.items():
         line = np.array([chest, *(marks[n] for n in names)])
-        way = line[-1] - line[-2]
+        way = FORWARD if name == "head" else line[-1] - line[-2]
         lines[name] = np.vstack([line, line[-1] + BEYOND * way / np.linalg.norm(way)])
     return lines
 

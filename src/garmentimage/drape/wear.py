@@ -3,10 +3,8 @@
 import time
 
 import numpy as np
-from jaxtyping import Float
 
 from garmentimage.body.body import Body, load_body
-from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.field import DistanceField, body_field
 from garmentimage.drape.items import Item, items
@@ -15,6 +13,7 @@ from garmentimage.drape.mesh import VERTICES, mesh
 from garmentimage.drape.rest import rest_of
 from garmentimage.drape.solver import Attachment, Settings, solve
 from garmentimage.drape.stand import standing
+from garmentimage.drape.start import start_points
 from garmentimage.drape.worn import Worn
 from garmentimage.errors import DrapeError
 from garmentimage.pattern.model import Pattern
@@ -63,7 +62,7 @@ def drape(
     placed, _ = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     rest = rest_of(cloth)
-    start = start_points(cloth)
+    start = start_points(cloth, body)
     points, motions = start.copy(), []
     field: DistanceField = body_field(body)
     worn_items = items(cloth, start, body, tucked=tucked)
@@ -104,15 +103,6 @@ def check_worn(worn: Worn) -> None:
             f"the drape of {worn.cloth.pattern.name or 'the garment'} on {worn.body.name} failed: "
             + "; ".join(worn.report.faults)
         )
-
-
-def start_points(cloth: Cloth) -> Float[np.ndarray, "vertex 3"]:
-    """Every panel flat where the pattern puts it, sewn vertices halfway between corners [cm]."""
-    corners = np.empty((len(cloth.flat), 3))
-    for k, panel in enumerate(cloth.pattern.panels):
-        own = cloth.panel == k
-        corners[own] = panel.to_world(cloth.flat[own])
-    return cloth.sewn(corners)
 
 
 def _check_sewn(pattern: Pattern) -> None:

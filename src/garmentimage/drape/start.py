@@ -1,0 +1,157 @@
+"""Where the cloth begins: panels round the body, sleeves along its arms, trousers along its legs.
+
+Patterns are drawn for bodies that hold their arms and legs otherwise than ours: arms stretched out
+or 45 degrees down, legs 20 degrees apart or together. A limb that begins outside of its sleeve or
+trouser leg would stay outside. So before the panels are sewn,
+
+- panels that lie wholly beyond a shoulder turn and move in the picture plane, until their middle
+  line is the arm's;
+- below the crotch, cloth that is sewn round each leg by itself (it has an **inseam**: a seam of a
+  front and a back panel, both of which lie outward of it) is shifted sideways to follow the leg.
+
+This moves where the cloth begins, not what it is: at rest it is as long as the flat panels are.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from garmentimage.body.body import Body
+from garmentimage.drape.cloth import Cloth
+from garmentimage.pattern.model import Side
+from garmentimage.raster.place import FRONTAL
+
+SLEEVE_INNER = 0.5
+"""Sleeves stay outside of this share of the shoulder joint's distance from the middle."""
+UNDER_TOP = 8.0
+"""The arm goes through a wide sleeve this far under its top [cm]."""
+SHORTEST_TURNED = 5.0
+"""A sleeve shorter than this is moved, but not turned [cm]."""
+FACING_IN = 0.5
+"""Least part towards the middle of the unit direction in which an inseam faces out of its panel."""
+
+Marks = Mapping[str, Float[np.ndarray, " 3"]]
+
+
+def start_points(cloth: Cloth, body: Body) -> Float[np.ndarray, "vertex 3"]:
+    """Where every vertex begins: halfway between the corners that are sewn into it [cm]."""
+    corners = np.empty((len(cloth.flat), 3))
+    for k, panel in enumerate(cloth.pattern.panels):
+        own = cloth.panel == k
+        corners[own] = panel.to_world(cloth.flat[own])
+    marks = body.landmarks
+    if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= marks.keys():
+        for side in (1, -1):
+            _lay_sleeve(cloth, corners, marks, side)
+    if {"left_hip_joint", "left_ankle_joint", "crotch"} <= marks.keys():
+        for side in (1, -1):
+            _shift_leg(cloth, corners, marks, side)
+    return cloth.sewn(corners)
+
+
+def _lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
+    """Lay the sleeve of one side (1: left) along the arm, turned and moved in the picture plane.
+
+    The arm goes through the armhole and through the cuff, in the middle of narrow ones and
+    `UNDER_TOP` under the top of wide ones, which hang down from it.
+    """
+    shoulder, wrist = (_of_side(marks, f"left_{n}_joint", side)[:2] for n in ("shoulder", "wrist"))
+    reach = side * shoulder[0]
+    sleeve = np.zeros(len(corners), bool)
+    for k in range(len(cloth.pattern.panels)):
+        own = cloth.panel == k
+        x = side * corners[own, 0]
+        if x.min() > SLEEVE_INNER * reach and x.mean() > reach:
+            sleeve |= own
+    armhole, cuff = corners[_armhole(cloth, sleeve), :2], corners[_cuff(cloth, sleeve), :2]
+    if not len(armhole) or not len(cuff) or armhole[:, 1].mean() < marks["waist_front"][1]:
+        return
+    way = cuff.mean(axis=0) - armhole.mean(axis=0)
+    up = side * np.array([-way[1], way[0]])
+    into, out = _arms_place(armhole, up), _arms_place(cuff, up)
+    arm = wrist - shoulder
+    long_enough = np.hypot(*(out - into)) > SHORTEST_TURNED
+    turn = _angle(arm) - _angle(out - into) if long_enough else 0.0
+    cos, sin = np.cos(turn), np.sin(turn)
+    turned = (corners[sleeve, :2] - out) @ np.array([[cos, sin], [-sin, cos]])
+    across = np.array([-arm[1], arm[0]]) / np.hypot(*arm)
+    corners[sleeve, :2] = out + turned + ((shoulder - out) @ across) * across
+
+
+def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarray, " corner"]:
+    """Corners along which a sleeve is sewn to the trunk."""
+    trunk = np.zeros(cloth.vertex_count, bool)
+    trunk[cloth.vertex[~sleeve]] = True
+    return sleeve & trunk[cloth.vertex]
+
+
+def _cuff(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarray, " corner"]:
+    """Corners of a sleeve on edges that are not sewn."""
+    free = np.zeros(len(sleeve), bool)
+    for side, line in cloth.sides.items():
+        if side not in cloth.pattern.partners:
+            free[line] = True
+    return sleeve & free
+
+
+def _arms_place(
+    opening: Float[np.ndarray, "n 2"], up: Float[np.ndarray, " 2"]
+) -> Float[np.ndarray, " 2"]:
+    """Where the arm goes through an opening of a sleeve."""
+    height = opening @ up
+    top, bottom = opening[height.argmax()], opening[height.argmin()]
+    width = float(np.hypot(*(bottom - top)))
+    return top + (bottom - top) * (min(width / 2, UNDER_TOP) / max(width, 1e-9))
+
+
+def _shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
+    """Shift the trouser leg of one side (1: left) sideways until it follows the leg."""
+    hip, ankle = (_of_side(marks, f"left_{n}_joint", side) for n in ("hip", "ankle"))
+    crotch = float(marks["crotch"][1])
+    panels = {
+        s.panel
+        for stitch in cloth.pattern.stitches
+        if all(_is_inseam(cloth, corners, s, side, crotch) for s in stitch.sides)
+        and _faces_front(cloth, stitch.a) != _faces_front(cloth, stitch.b)
+        for s in stitch.sides
+    }
+    numbers = [k for k, p in enumerate(cloth.pattern.panels) if p.name in panels]
+    own = np.isin(cloth.panel, numbers) & (side * corners[:, 0] > 0)
+    leg = own & (corners[:, 1] < crotch)
+    if leg.sum() < 3 or np.ptp(corners[leg, 1]) < 1.0:
+        return
+    slope, offset = np.polyfit(corners[leg, 1], corners[leg, 0], 1)
+    slope_of_leg = (ankle[0] - hip[0]) / (ankle[1] - hip[1])
+    height = corners[own, 1]
+    low = np.minimum(height, crotch)
+    shift = hip[0] + slope_of_leg * (low - hip[1]) - (offset + slope * low)
+    top = max(float(height.max()), crotch + 1.0)
+    corners[own, 0] += shift * np.clip((top - height) / (top - crotch), 0.0, 1.0)
+
+
+def _is_inseam(cloth: Cloth, corners: np.ndarray, of: Side, side: int, crotch: float) -> bool:
+    """Whether an edge lies below the crotch, on one side, and its panel outward of it."""
+    line = cloth.sides[of]
+    middle = corners[line].mean(axis=0)
+    panel = cloth.pattern.by_name[of.panel]
+    if middle[1] > crotch or side * middle[0] < 0 or abs(panel.matrix[2, 2]) < FRONTAL:
+        return False
+    along = cloth.flat[line[-1]] - cloth.flat[line[0]]
+    turn = 1.0 if panel.outline.area > 0 else -1.0
+    outward = panel.matrix[:, :2] @ (turn * np.array([along[1], -along[0]]))
+    return bool(-side * outward[0] > FACING_IN * np.linalg.norm(along))
+
+
+def _faces_front(cloth: Cloth, of: Side) -> bool:
+    """Whether the panel of an edge faces the front."""
+    panel = cloth.pattern.by_name[of.panel]
+    return bool(panel.matrix[2, 2] * np.sign(panel.outline.area) > 0)
+
+
+def _of_side(marks: Marks, name: str, side: int) -> Float[np.ndarray, " 3"]:
+    return marks[name] * [side, 1, 1]
+
+
+def _angle(way: Float[np.ndarray, " 2"]) -> float:
+    return float(np.arctan2(way[1], way[0]))
