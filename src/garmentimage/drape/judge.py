@@ -9,7 +9,7 @@ from garmentimage.body.body import Body
 from garmentimage.drape.crossings import crossing_count
 from garmentimage.drape.field import body_field
 from garmentimage.drape.items import Item, shoulder_height
-from garmentimage.drape.openings import BONES, bones, openings, turns
+from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.rest import Rest, strain
 from garmentimage.drape.solver import Motion
 from garmentimage.drape.worn import DrapeReport
@@ -150,7 +150,7 @@ def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body:
         faults += [
             f"the {limb} went through the cloth"
             for limb, a, b in zip(limbs, before, after)
-            if a != b
+            if a != b and not is_beyond(points[opening], lines[limb])
         ]
     if not any(any(t) for t in all_turns):
         faults.append("the body is not in the garment")

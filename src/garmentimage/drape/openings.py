@@ -32,6 +32,14 @@ FORWARD = np.array([0.0, 0.0, 1.0])
 BEYOND = 500.0
 """How far a bone goes on beyond its last landmark [cm]."""
 
+BESIDE = np.array([0.0137, 0.0071, 0.0113])
+"""Bones lie this far beside their landmarks [cm]: a symmetric garment has vertices in the middle
+plane, and a bone that hits an edge of an opening's fan would go through two of its triangles."""
+
+HAND = 12.0
+"""An opening that lies farther than this beyond the last landmark of a limb [cm] need not go round
+it: long sleeves hang down from the hand."""
+
 CHEST = 0.7
 """Height of the middle of the chest between the hips (0) and the neck (1)."""
 
@@ -52,7 +60,8 @@ def bones(body: Body) -> dict[str, Float[np.ndarray, "n 3"]] | None:
     for name, names in BONES.items():
         line = np.array([chest, *(marks[n] for n in names)])
         way = FORWARD if name == "head" else line[-1] - line[-2]
-        lines[name] = np.vstack([line, line[-1] + BEYOND * way / np.linalg.norm(way)])
+        end = line[-1] + BEYOND * way / np.linalg.norm(way)
+        lines[name] = np.vstack([line, end]) + BESIDE
     return lines
 
 
@@ -96,6 +105,12 @@ def turns(
     """
     counts = [_signed_crossings(line, bones[name]) for name in BONES]
     return tuple(c - counts[0] for c in counts[1:])
+
+
+def is_beyond(line: Float[np.ndarray, "n 3"], bone: Float[np.ndarray, "m 3"]) -> bool:
+    """Whether an opening lies beyond the end of a limb."""
+    way = (bone[-1] - bone[-2]) / BEYOND
+    return bool((line.mean(axis=0) - bone[-2]) @ way > HAND)
 
 
 def _signed_crossings(line: np.ndarray, bone: np.ndarray) -> int:

@@ -15,14 +15,14 @@ This moves where the cloth begins, not what it is: at rest it is as long as the 
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from garmentimage.body.body import Body
 from garmentimage.drape.cloth import Cloth
 from garmentimage.pattern.model import Side
 from garmentimage.raster.place import FRONTAL
 
-SLEEVE_INNER = 0.5
+SLEEVE_INNER = 0.2
 """Sleeves stay outside of this share of the shoulder joint's distance from the middle."""
 UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
@@ -53,8 +53,8 @@ def start_points(cloth: Cloth, body: Body) -> Float[np.ndarray, "vertex 3"]:
 def _lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
     """Lay the sleeve of one side (1: left) along the arm, turned and moved in the picture plane.
 
-    The arm goes through the armhole and through the cuff, in the middle of narrow ones and
-    `UNDER_TOP` under the top of wide ones, which hang down from it.
+    The arm goes through the armhole and through the narrowest line across the sleeve's end, in the
+    middle of narrow ones and `UNDER_TOP` under the top of wide ones, which hang down from it.
     """
     shoulder, wrist = (_of_side(marks, f"left_{n}_joint", side)[:2] for n in ("shoulder", "wrist"))
     reach = side * shoulder[0]
@@ -64,12 +64,13 @@ def _lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> N
         x = side * corners[own, 0]
         if x.min() > SLEEVE_INNER * reach and x.mean() > reach:
             sleeve |= own
-    armhole, cuff = corners[_armhole(cloth, sleeve), :2], corners[_cuff(cloth, sleeve), :2]
-    if not len(armhole) or not len(cuff) or armhole[:, 1].mean() < marks["waist_front"][1]:
+    armhole = corners[_armhole(cloth, sleeve), :2]
+    rings = [corners[ring, :2] for ring in _rings(cloth, sleeve)]
+    if not len(armhole) or not rings or armhole[:, 1].mean() < marks["waist_front"][1]:
         return
-    way = cuff.mean(axis=0) - armhole.mean(axis=0)
+    way = rings[0].mean(axis=0) - armhole.mean(axis=0)
     up = side * np.array([-way[1], way[0]])
-    into, out = _arms_place(armhole, up), _arms_place(cuff, up)
+    into, out = _arms_place(armhole, up), _arms_place(min(rings, key=lambda r: np.ptp(r @ up)), up)
     arm = wrist - shoulder
     long_enough = np.hypot(*(out - into)) > SHORTEST_TURNED
     turn = _angle(arm) - _angle(out - into) if long_enough else 0.0
@@ -86,13 +87,22 @@ def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarr
     return sleeve & trunk[cloth.vertex]
 
 
-def _cuff(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarray, " corner"]:
-    """Corners of a sleeve on edges that are not sewn."""
-    free = np.zeros(len(sleeve), bool)
-    for side, line in cloth.sides.items():
-        if side not in cloth.pattern.partners:
-            free[line] = True
-    return sleeve & free
+def _rings(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> list[Int[np.ndarray, " n"]]:
+    """Corners on lines across a sleeve: its free edges, and the seams of a cuff."""
+    pattern, rings = cloth.pattern, []
+    free = [
+        line
+        for side, line in cloth.sides.items()
+        if side not in pattern.partners and sleeve[line[0]]
+    ]
+    if free:
+        rings.append(np.concatenate(free))
+    for stitch in pattern.stitches:
+        a, b = (cloth.sides[side] for side in stitch.sides)
+        across = _faces_front(cloth, stitch.a) == _faces_front(cloth, stitch.b)
+        if across and stitch.a.panel != stitch.b.panel and sleeve[a[0]] and sleeve[b[0]]:
+            rings.append(a)
+    return rings
 
 
 def _arms_place(
