@@ -95,9 +95,17 @@ def _slid(
             if not len(where):
                 continue
             off = float(np.percentile(above[where], RESTING))
-        aside = abs(float((points - start)[where, 0].mean()))
-        slid[name] = max(slid.get(name, 0.0), off, aside)
+        slid[name] = max(slid.get(name, 0.0), off, _aside(start[where, 0], points[where, 0]))
     return slid
+
+
+def _aside(before: Float[np.ndarray, " n"], after: Float[np.ndarray, " n"]) -> float:
+    """How far cloth moved to one side [cm]; 0 where it lies on one side only, as one strap does."""
+    left, right = before > 0, before < 0
+    if not left.any() or not right.any():
+        return 0.0
+    moved = after - before
+    return abs(float(moved[left].mean() + moved[right].mean())) / 2
 
 
 def _over_shoulders(start: np.ndarray, body: Body) -> Int[np.ndarray, " n"]:
@@ -137,21 +145,25 @@ def _motion_faults(
 
 
 def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body: Body) -> list[str]:
-    """Limbs that cloth went through, and clothing with no limb in it."""
+    """Limbs that cloth went through, and clothing with no limb in it.
+
+    A hood may begin over the face and come to lie round it, so that its opening may pass the head.
+    """
     lines = bones(body)
     if lines is None:
         return []
+    hooded = start[:, 1].max() > lines["head"][-1, 1]
     limbs = tuple(BONES)[1:]
-    faults = []
-    all_turns = []
+    faults, worn = set(), False
     for opening in openings(faces):
         before, after = turns(start[opening], lines), turns(points[opening], lines)
-        all_turns.append(after)
-        faults += [
+        worn |= any(after)
+        changed = [limb for limb, a, b in zip(limbs, before, after) if a != b]
+        if len(changed) == len(limbs) and len({a - b for a, b in zip(before, after)}) == 1:
+            changed = [] if hooded else ["head"]
+        faults |= {
             f"the {limb} went through the cloth"
-            for limb, a, b in zip(limbs, before, after)
-            if a != b and not is_beyond(points[opening], lines[limb])
-        ]
-    if not any(any(t) for t in all_turns):
-        faults.append("the body is not in the garment")
-    return sorted(set(faults))
+            for limb in changed
+            if not is_beyond(points[opening], lines[limb])
+        }
+    return sorted(faults) if worn else ["the body is not in the garment"]
