@@ -65,10 +65,12 @@ BODIES = {
     "short-round-female": Shape(1, 0.308, 0.998, 0.789, 0.992, 0.514, 0.273),
     "tall-slim-male": Shape(0, 0.482, 0.003, -0.446, -0.307, -0.484, 0.167),
     "short-round-male": Shape(0, 0.276, 0.977, 0.687, 0.866, 0.352, -0.061),
+    "slim-female": Shape(1, 0.406, 0.092, -0.179, -0.291, -0.191, 0.423),
 }
 """The shipped bodies. Stature, bust, waist, hip and arm were fitted by least squares: to 166, 90,
 74, 99, 54.5 cm for the mean woman, to 177, 100, 87, 100, 60 cm for the mean man, and for the others
-to figures well away from these in height and girth."""
+to figures well away from these in height and girth. The slim woman, as tall as the mean one, has
+82, 62.5, 88 and 54.5 cm, about size 34 in Europe: she fits Korosteleva's 2021 patterns better."""
 MIDDLE, WAIST_BAND = 0.5, 2.0
 """Skin this near to the middle and to the waist level says how deep the waist is [cm]."""
 LEG_ANGLE = np.deg2rad(8)
@@ -253,18 +255,22 @@ PICTURE_LEVELS = dict.fromkeys(("bust", "waist", "hip", "knee"), "bottom") | {"c
 """Levels that the picture shows, and which side of its name lies on the line."""
 PICTURE_HALF_WIDTH = 76.0
 """Half the width of one body's place in the picture [cm]."""
+PICTURE_WIDTH = 2.25
+"""Width of one body's place on paper [inches]."""
 LIGHT = np.array([0.3, 0.4, 0.87])
 SKIN, SHADE = np.array([0.93, 0.86, 0.80]), np.array([0.38, 0.33, 0.33])
 
 
 def picture(path: Path) -> None:
-    """Draw the six bodies from the front, with the levels at which they are measured."""
+    """Draw all bodies from the front, with the levels at which they are measured."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, places = plt.subplots(1, len(BODIES), figsize=(13.5, 3.5), sharey=True)
+    figure, places = plt.subplots(
+        1, len(BODIES), figsize=(PICTURE_WIDTH * len(BODIES), 3.5), sharey=True
+    )
     for axes, name in zip(places, BODIES):
         _draw(axes, load_body(name, "a"))
     places[0].set_ylabel("cm")

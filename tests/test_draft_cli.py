@@ -149,10 +149,10 @@ def test_a_body_of_ones_own_is_written_changed_and_drafted_for(capsys, tmp_path)
     assert "waist_girth is 5 cm" in err
 
 
-def test_bodies_lists_all_six(capsys):
+def test_bodies_lists_all_seven(capsys):
     code, out, _ = run(capsys, "bodies", "--json")
     assert code == 0
-    assert len(json.loads(out)["bodies"]) == 6
+    assert len(json.loads(out)["bodies"]) == 7
     out = run(capsys, "bodies")[1]
     assert out.startswith("[cm]")
     assert "hip_girth" in out

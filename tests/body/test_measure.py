@@ -123,11 +123,23 @@ PLAUSIBLE = {
         "total_crotch_length": (66, 78),
         "head_girth": (55, 60),
     },
+    "slim-female": {
+        "stature": (164, 168),
+        "bust_girth": (80, 84),
+        "waist_girth": (61, 65),
+        "hip_girth": (86, 90),
+        "back_waist_length": (38, 42),
+        "arm_length": (52, 58),
+        "shoulder_length": (11.5, 13.5),
+        "thigh_girth": (48, 54),
+        "total_crotch_length": (62, 72),
+        "head_girth": (52, 57),
+    },
 }
 
 
 @pytest.mark.parametrize("name", PLAUSIBLE)
-def test_mean_bodies_are_near_the_means_of_size_tables(name):
+def test_bodies_of_a_usual_size_are_near_size_tables(name):
     record = asdict(measured(name, "t"))
     off = {
         key: record[key]

@@ -23,6 +23,7 @@ NAMED = {
     "short-round-female",
     "tall-slim-male",
     "short-round-male",
+    "slim-female",
 }
 MEAN = measurements("mean-female")
 

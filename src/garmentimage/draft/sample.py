@@ -78,8 +78,8 @@ def sample(
         source: a name from `kinds()`, a Kind or a Template.
         count: how many.
         seed: the same seed gives the same garments for ever.
-        body: measurements, the name of a shipped body, or "any" to draw among these; a template
-            has its own.
+        body: measurements, the name of a shipped body, or "any" to draw among these, which is
+            another draw in a version with another body; a template has its own.
         workers: processes; the garments do not depend on it.
         first: index of the first garment, to go on where another call ended.
 
@@ -161,7 +161,7 @@ def _drawn(
         return None, values, source.with_values(values)
     who = None if isinstance(body, BodyMeasurements) else body
     if who == ANY_BODY:
-        names = sorted(presets())
+        names = tuple(presets())
         who = names[int(random.random() * len(names))]
     drawn = {name: drawn_value(p, random) for name, p in source.parameters.items()}
     wearer = body if isinstance(body, BodyMeasurements) else measurements(who or DEFAULT_BODY)
