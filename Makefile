@@ -1,4 +1,4 @@
-# make demo    encode, decode and draw the four bundled patterns
+# make demo    encode, decode, drape and draw the bundled patterns
 # make test    all tests that need no pattern files by others: some minutes
 # make check   format, lint, types, quick tests: before every commit
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
@@ -36,6 +36,7 @@ picture: $(VENV)/ready
 	$(BIN)/garmentimage show --round-trip src/garmentimage/examples/dress.json \
 		-o docs/pattern-raster-pattern.png
 	$(BIN)/garmentimage gallery -o docs/gallery.png
+	$(BIN)/python scripts/draw_worn.py docs/worn.png
 
 bench: $(VENV)/ready
 	$(BIN)/python benchmarks/speed.py

@@ -15,6 +15,9 @@ import shapely
 
 from garmentimage.body.measurements import NAMES, BodyMeasurements
 from garmentimage.cli import main
+from garmentimage.drape.fabric import FABRICS
+from garmentimage.drape.judge import DEEPEST, MOST_SLID, MOST_STRAIN
+from garmentimage.drape.worn import DrapeReport
 from garmentimage.examples import example_path
 from garmentimage.geometry.polygons import centroid
 from garmentimage.pattern.spec import load_pattern, pattern_from_spec, pattern_to_spec
@@ -28,6 +31,7 @@ from tests.metrics.garments import darted_skirt
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BODIES = (ROOT / "docs" / "bodies.md").read_text(encoding="utf-8")
+DRAPE = (ROOT / "docs" / "drape.md").read_text(encoding="utf-8")
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 
 
@@ -51,7 +55,7 @@ def test_the_commands_of_the_readme_run_as_written(tmp_path, monkeypatch, capsys
     (code,) = blocks(README, "python")
     exec(code, {})
     assert Path("out", "dress-again.json").is_file()
-    for line in "".join(commands).splitlines():
+    for line in "".join(commands).replace("\\\n", " ").splitlines():
         words = shlex.split(line, comments=True)
         if not words:
             continue
@@ -120,3 +124,42 @@ def test_the_field_in_the_formats_can_be_read():
     front = pattern_from_spec(data).by_name["front"]
     assert len(front.holes) == len(front.notches) == front.cloth_layer == 1
     assert front.grain == (0.0, 1.0)
+
+
+@pytest.mark.slow
+def test_the_examples_of_draping_run_as_written(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(example_path("dress"), "dress.json")
+    (commands,) = blocks(DRAPE, "sh")
+    for line in commands.splitlines():
+        assert main(shlex.split(line)[1:]) == 0, line
+    (code,) = blocks(DRAPE, "python")
+    exec(code, {})
+
+
+def test_the_fabrics_table_says_what_the_fabrics_are():
+    rows = re.findall(r"^\| `(\w+)` \| (\d+) \| ([\d,]+) \| (\d+) \| ([\d.]+) \|$", DRAPE, re.M)
+    told = {
+        name: (float(weight), float(stretch.replace(",", "")), float(bend), float(friction))
+        for name, weight, stretch, bend, friction in rows
+    }
+    assert told == {
+        name: (pytest.approx(1e4 * f.weight), f.stretch, f.bend, f.friction)
+        for name, f in FABRICS.items()
+    }
+
+
+def test_the_report_table_has_every_field_and_limit():
+    table = dict(re.findall(r"^\| (`[a-z`, ]+`) \| .* \| (.*) \|$", DRAPE, re.M))
+    fields = {f for names in table for f in re.findall(r"`(\w+)`", names)}
+    assert set(DrapeReport.__dataclass_fields__) <= fields
+    for name, limit in (("penetration", DEEPEST), ("strain", MOST_STRAIN), ("slid", MOST_SLID)):
+        assert float(table[f"`{name}`"]) == limit
+
+
+def test_the_options_of_the_documents_are_known(capsys):
+    with pytest.raises(SystemExit):
+        main(["render", "--help"])
+    known = capsys.readouterr().out
+    for option in re.findall(r"`(--[\w-]+)", DRAPE):
+        assert option in known

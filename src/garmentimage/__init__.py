@@ -7,6 +7,8 @@
     channels = image.to_channels()  # float32 [34, 16, 16]
     again = gi.decode(image)
     gi.save_pattern(again, "dress-again.json")
+    worn = gi.drape_pattern(pattern)  # on a body, at rest
+    gi.save_png("dress.png", gi.photograph(worn, size=512).colour)
 
 Names are loaded on first use, so importing the package is quick.
 """
@@ -29,11 +31,18 @@ from garmentimage.errors import (
 )
 
 if TYPE_CHECKING:
+    from garmentimage.body.body import Body, load_body
     from garmentimage.body.measurements import BodyMeasurements, measurements
+    from garmentimage.body.obj import load_body_file
     from garmentimage.draft.kinds import draft as draft_pattern
     from garmentimage.draft.kinds import kinds
     from garmentimage.draft.sample import sample
     from garmentimage.draft.template import Template
+    from garmentimage.drape.export import save_worn
+    from garmentimage.drape.glb import load_worn
+    from garmentimage.drape.wear import check_worn
+    from garmentimage.drape.wear import drape as drape_pattern
+    from garmentimage.drape.worn import Worn
     from garmentimage.pattern.model import Pattern
     from garmentimage.pattern.spec import load_pattern, save_pattern
     from garmentimage.raster.decode import decode
@@ -42,6 +51,8 @@ if TYPE_CHECKING:
     from garmentimage.raster.frame import BodyFrame
     from garmentimage.raster.image import EdgeType, GarmentImage
     from garmentimage.raster.repair import repair
+    from garmentimage.render.look import Look, photograph
+    from garmentimage.render.png import save_png
 
 __version__ = "0.1.0"
 
@@ -63,9 +74,21 @@ _WHERE = {
     "encode": "garmentimage.raster.encode",
     "decode": "garmentimage.raster.decode",
     "repair": "garmentimage.raster.repair",
+    "Body": "garmentimage.body.body",
+    "load_body": "garmentimage.body.body",
+    "load_body_file": "garmentimage.body.obj",
+    "Worn": "garmentimage.drape.worn",
+    "drape_pattern": "garmentimage.drape.wear:drape",
+    "check_worn": "garmentimage.drape.wear",
+    "save_worn": "garmentimage.drape.export",
+    "load_worn": "garmentimage.drape.glb",
+    "Look": "garmentimage.render.look",
+    "photograph": "garmentimage.render.look",
+    "save_png": "garmentimage.render.png",
 }
 
 __all__ = [
+    "Body",
     "BodyFrame",
     "BodyMeasurements",
     "DecodeError",
@@ -76,6 +99,7 @@ __all__ = [
     "GarmentImage",
     "GarmentImageError",
     "ImageError",
+    "Look",
     "OutputError",
     "Pattern",
     "PatternError",
@@ -83,17 +107,26 @@ __all__ = [
     "RenderError",
     "StitchError",
     "Template",
+    "Worn",
+    "check_worn",
     "decode",
     "draft_pattern",
+    "drape_pattern",
     "encode",
     "kinds",
+    "load_body",
+    "load_body_file",
     "load_image",
     "load_pattern",
+    "load_worn",
     "measurements",
+    "photograph",
     "repair",
     "sample",
     "save_image",
     "save_pattern",
+    "save_png",
+    "save_worn",
 ]
 
 

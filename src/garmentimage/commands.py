@@ -24,8 +24,10 @@ from garmentimage.draft_commands import (
     run_sample,
     sample_arguments,
 )
-from garmentimage.errors import GarmentImageError, OutputError, PatternError, PatternFileError
-from garmentimage.files import shown_path, write_atomically
+from garmentimage.drape_commands import IMAGE_SUFFIXES, drape_arguments, run_drape
+from garmentimage.errors import GarmentImageError, PatternError, PatternFileError
+from garmentimage.files import check_output, shown_path, write_atomically
+from garmentimage.render_commands import render_arguments, run_render
 from garmentimage.terminal import (
     Exit,
     error_facts,
@@ -44,7 +46,6 @@ if TYPE_CHECKING:
     from garmentimage.pattern.model import Pattern
     from garmentimage.raster.image import GarmentImage
 
-IMAGE_SUFFIXES = (".npz", ".npy")
 FAILURES_SHOWN = 20
 ROUNDTRIP_COLUMNS = """\
 columns of the table:
@@ -129,7 +130,7 @@ def _encode(options: argparse.Namespace) -> Exit:
     from garmentimage.raster.encode import encode
     from garmentimage.raster.files import save_image
 
-    _check_out(options.out, IMAGE_SUFFIXES, [options.file])
+    check_output(options.out, IMAGE_SUFFIXES, [options.file])
     pattern, found = _read_pattern(options.file)
     warn(options.file, found)
     with errors_about(options.file):
@@ -159,7 +160,7 @@ def _decode(options: argparse.Namespace) -> Exit:
     from garmentimage.raster.decode import decode
     from garmentimage.raster.repair import repair
 
-    _check_out(options.out, (".json",), [options.file])
+    check_output(options.out, (".json",), [options.file])
     source = _read_image(options.file, options.order)
     with errors_about(options.file):
         image, report = repair(source, options.repair)
@@ -190,7 +191,7 @@ def _show_arguments(parser: argparse.ArgumentParser) -> None:
 def _show(options: argparse.Namespace) -> Exit:
     from garmentimage.render.show import SUFFIXES, show
 
-    _check_out(options.out, SUFFIXES, options.files)
+    check_output(options.out, SUFFIXES, options.files)
     sources: list[Pattern | GarmentImage] = []
     for path in options.files:
         if _is_image(path):
@@ -258,7 +259,7 @@ def _roundtrip(options: argparse.Namespace) -> Exit:
 
     files = _pattern_files(options.paths)
     if options.report is not None:
-        _check_out(options.report, (".json",), files)
+        check_output(options.report, (".json",), files)
     # disable=None: a progress bar on a terminal only.
     with tqdm(total=len(files), unit="file", disable=None, file=sys.stderr) as bar:
         reports = roundtrip_many(
@@ -379,26 +380,6 @@ def _read_image(path: Path, order: str | None) -> Any:
     return load_channels(path, order=order) if path.suffix.lower() == ".npy" else load_image(path)
 
 
-def _check_out(out: Path, suffixes: Sequence[str], sources: Iterable[Path]) -> None:
-    """Refuse an output path before any work is done for it."""
-    if out.suffix.lower() not in suffixes:
-        raise OutputError(f"{shown_path(out)}: the name must end in {' or '.join(suffixes)}")
-    try:
-        folder = out.absolute().parent
-        has_folder = folder.is_dir()
-        is_input = out.exists() and any(s.exists() and s.samefile(out) for s in sources)
-    except OSError as error:
-        raise OutputError(
-            f"{shown_path(out)}: cannot be used ({error.strerror}); choose another name"
-        ) from None
-    if not has_folder:
-        raise OutputError(
-            f"{shown_path(out)}: there is no folder {shown_path(folder)}; make it first"
-        )
-    if is_input:
-        raise OutputError(f"{shown_path(out)}: is the input, too; choose another name")
-
-
 def _pattern_facts(pattern: "Pattern") -> dict[str, Any]:
     return {"panels": len(pattern.panels), "stitches": len(pattern.stitches)}
 
@@ -427,4 +408,6 @@ COMMANDS = (
     Command(
         "gallery", "draw the kinds at low, middle and high values", gallery_arguments, run_gallery
     ),
+    Command("drape", "put garments on a body", drape_arguments, run_drape),
+    Command("render", "photograph a garment on a body", render_arguments, run_render),
 )

@@ -8,6 +8,8 @@
     ├── EncodeError             a pattern that does not fit the raster (ValueError)
     ├── DecodeError             a raster that no garment can be read from (ValueError)
     ├── DraftError              a body or a design that no garment can be drafted from (ValueError)
+    ├── DrapeError              a garment that the body cannot wear, or a bad drape (ValueError)
+    ├── RenderError             a picture that cannot be made as asked (ValueError)
     └── OutputError             a result that cannot be written where it should go (OSError)
 
 Each message is one sentence or two: what is wrong, where (file, panel, edge), and a way out.

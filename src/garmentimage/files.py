@@ -5,7 +5,7 @@ import os
 import secrets
 import stat
 import unicodedata
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 from garmentimage.errors import OutputError, quoted
@@ -22,6 +22,47 @@ def shown_path(path: str | os.PathLike[str]) -> str:
     """A path as a message shows it: as the user wrote it unless it would break the line."""
     text = os.fspath(path)
     return text if text and text.isprintable() else quoted(text)
+
+
+def check_output(
+    out: Path, suffixes: Sequence[str], others: Iterable[str | os.PathLike[str]]
+) -> None:
+    """Refuse an output path before any work is done for it.
+
+    Args:
+        out: where a result should go.
+        suffixes: endings that its name may have.
+        others: inputs and further outputs of the same call, which it must not overwrite.
+
+    Raises:
+        OutputError: another ending, no such folder, a folder itself, or one of the others.
+    """
+    if out.suffix.lower() not in suffixes:
+        raise OutputError(f"{shown_path(out)}: the name must end in {' or '.join(suffixes)}")
+    try:
+        folder = out.absolute().parent
+        has_folder, is_folder = folder.is_dir(), out.is_dir()
+        is_other = any(_is_same(out, Path(other)) for other in others)
+    except OSError as error:
+        raise OutputError(
+            f"{shown_path(out)}: cannot be used ({error.strerror}); choose another name"
+        ) from None
+    if not has_folder:
+        raise OutputError(
+            f"{shown_path(out)}: there is no folder {shown_path(folder)}; make it first"
+        )
+    if is_folder:
+        raise OutputError(f"{shown_path(out)}: is a folder; name a file in it")
+    if is_other:
+        raise OutputError(
+            f"{shown_path(out)}: is an input or another output, too; choose another name"
+        )
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    if path.exists() and other.exists():
+        return path.samefile(other)
+    return path.absolute() == other.absolute()
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes | str) -> None:

@@ -44,17 +44,24 @@ def save_worn(path: str | os.PathLike[str], worn: Worn, *, body: bool = True) ->
     Raises:
         OutputError: another ending, or a file that cannot be written.
     """
-    ending = Path(path).suffix.lower()
-    if ending == ".glb":
-        data: bytes | str = glb_bytes(worn, body=body)
-    elif ending == ".obj":
-        data = obj_text(worn, body=body)
-    elif ending == ".ply":
-        data = ply_bytes(worn)
-    else:
-        known = ", ".join(WORN_FORMATS)
-        raise OutputError(f"a garment cannot be written as {quoted(ending)}; choose {known}")
-    write_atomically(path, data)
+    write_atomically(path, worn_bytes(worn, Path(path).suffix, body=body))
+
+
+def worn_bytes(worn: Worn, ending: str, *, body: bool = True) -> bytes | str:
+    """What `save_worn` writes to a file with this ending.
+
+    Raises:
+        OutputError: the ending is none of `WORN_FORMATS`.
+    """
+    match ending.lower():
+        case ".glb":
+            return glb_bytes(worn, body=body)
+        case ".obj":
+            return obj_text(worn, body=body)
+        case ".ply":
+            return ply_bytes(worn)
+    known = ", ".join(WORN_FORMATS)
+    raise OutputError(f"a garment cannot be written as {quoted(ending)}; choose {known}")
 
 
 def obj_text(worn: Worn, *, body: bool = True) -> str:

@@ -25,7 +25,7 @@ from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import DrapeError, GarmentImageError
 from garmentimage.files import safe_name, shown_path
 from garmentimage.pattern.model import Side
-from garmentimage.pattern.spec import pattern_from_spec
+from garmentimage.pattern.spec import read_spec
 from garmentimage.pattern.spec_writer import pattern_to_spec
 
 SCHEMA = 1
@@ -185,7 +185,7 @@ def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> Worn:
     vertex = np.concatenate([_whole(mesh.vertex_attributes["_VERTEX"]) for mesh in panels])
     corners = np.concatenate([np.asarray(mesh.vertices, float) for mesh in panels]) * METRE
     cloth = Cloth(
-        pattern=pattern_from_spec(extras["pattern"], str(extras["name"])),
+        pattern=read_spec(extras["pattern"], str(extras["name"]))[0],
         flat=np.concatenate([np.asarray(mesh.visual.uv, float) for mesh in panels]) * UV_CM,
         faces=np.concatenate([mesh.faces + k for mesh, k in zip(panels, first)]),
         panel=np.repeat(np.arange(len(panels)), sizes),

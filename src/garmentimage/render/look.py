@@ -103,9 +103,26 @@ class Look:
 
 
 def photograph(
-    worn: Worn, look: Look, *, view: str = "front", size: int = 512, seams: bool = False
+    worn: Worn,
+    look: Look | None = None,
+    *,
+    view: str = "front",
+    size: int = 512,
+    seams: bool = False,
 ) -> Views:
-    """Picture of a garment on its body as a look wants it; `view` as in `camera.VIEWS`."""
+    """Picture of a garment on its body.
+
+    Args:
+        worn: the garment on its body.
+        look: light, colours and the like; plain colours in a studio unless told.
+        view: one of `camera.VIEWS`.
+        size: rows and columns of the picture, 16 to 2048.
+        seams: whether sewn and free edges are drawn as lines.
+
+    Raises:
+        RenderError: there is no such view, or the size is out of range.
+    """
+    look = look or Look()
     surfaces = surfaces_of(worn, skin=look.skin, colours=look.colours, prints=look.prints)
     camera = look.camera(body_camera(worn.body, view))
     return picture(

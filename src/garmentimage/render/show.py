@@ -1,4 +1,4 @@
-"""Pictures of patterns and GarmentImages beside each other, as PNG or SVG files.
+"""Patterns, GarmentImages and pictures of them worn beside each other, as PNG or SVG files.
 
 Pictures are drawn with matplotlib's own canvases, never through pyplot, so nothing global changes
 and no display is needed. The same sources give the same bytes.
@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import UInt8
 
 from garmentimage.errors import OutputError
 from garmentimage.files import shown_path, write_atomically
@@ -23,6 +24,9 @@ from garmentimage.render.style import FAINT, INK, PAPER, printable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Source = Pattern | GarmentImage | UInt8[np.ndarray, "row col 3"]
+"""What is drawn; an array is a picture, row 0 at the top."""
+
 SUFFIXES = (".png", ".svg")
 HEIGHT_IN = 4.4
 """Most height of a drawing [inch]."""
@@ -33,7 +37,7 @@ DPI = 170
 
 
 def show(
-    *sources: Pattern | GarmentImage,
+    *sources: Source,
     out: str | Path,
     titles: Sequence[str] | None = None,
     steps: Sequence[str] = (),
@@ -41,9 +45,9 @@ def show(
     """Draw sources beside each other and write the picture.
 
     Args:
-        sources: patterns and images, left to right.
+        sources: patterns, images and pictures, left to right.
         out: a `.png` or `.svg` file.
-        titles: one for each source; default: its name.
+        titles: one for each source; default: its name, none for a picture.
         steps: words over the arrows from each source to the next; none, no arrows.
 
     Raises:
@@ -60,7 +64,7 @@ def show(
 
 
 def compose(
-    sources: Sequence[Pattern | GarmentImage],
+    sources: Sequence[Source],
     *,
     titles: Sequence[str] | None = None,
     steps: Sequence[str] = (),
@@ -108,27 +112,34 @@ def picture_bytes(figure: "Figure", kind: str, *, dpi: int = DPI) -> bytes:
     return stream.getvalue()
 
 
-def _title(source: Pattern | GarmentImage) -> str:
+def _title(source: Source) -> str:
     if isinstance(source, Pattern):
         return source.name or "pattern"
+    if isinstance(source, np.ndarray):
+        return ""
     size = f"{source.grid} x {source.grid}"
     return f"{source.name}, {size}" if source.name else f"GarmentImage, {size}"
 
 
-def _ratio(source: Pattern | GarmentImage) -> float:
+def _ratio(source: Source) -> float:
     """Width of a source's drawing over its height."""
     if isinstance(source, Pattern):
         low, high = bounds(arrange(source))
         width, height = np.maximum(high - low, 1e-6)
         size = max(width, height)
         return float((width + 0.06 * size) / (height + 0.18 * size))
+    if isinstance(source, np.ndarray):
+        return source.shape[1] / source.shape[0]
     return 0.46 * source.layers
 
 
-def _draw(
-    source: Pattern | GarmentImage, figure: "Figure", x: tuple[float, float], height: float
-) -> None:
+def _draw(source: Source, figure: "Figure", x: tuple[float, float], height: float) -> None:
     bottom, tall = MARGIN_IN / height, 1 - (MARGIN_IN + TITLE_IN) / height
+    if isinstance(source, np.ndarray):
+        axes = figure.add_axes((x[0], bottom, x[1], tall))
+        axes.imshow(source, interpolation="antialiased")
+        axes.set_axis_off()
+        return
     if isinstance(source, Pattern):
         draw_pattern(source, figure.add_axes((x[0], bottom, x[1], tall)))
         return

@@ -1,0 +1,58 @@
+"""Garments worn together: several patterns as one."""
+
+from collections.abc import Container, Sequence
+from dataclasses import replace
+
+from garmentimage.body.body import Body
+from garmentimage.drape.stand import standing
+from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
+
+
+def outfit(patterns: Sequence[Pattern], body: Body, *, made_for: float | None = None) -> Pattern:
+    """Several garments as one pattern whose panels stand where the body wears them.
+
+    Each is put on the body by itself, as the files may stand in different worlds. Panels whose
+    names are taken get a number.
+
+    Args:
+        patterns: at least one garment.
+        body: who wears them.
+        made_for: stature that all of them were made for [cm]; see `standing`.
+
+    Raises:
+        DraftError: `made_for` is no stature.
+    """
+    panels: list[Panel] = []
+    stitches: list[Stitch] = []
+    for pattern in patterns:
+        placed, _ = standing(pattern, body, made_for=made_for)
+        taken = {panel.name for panel in panels}
+        names: dict[str, str] = {}
+        for panel in placed.panels:
+            names[panel.name] = _free(panel.name, taken)
+            taken.add(names[panel.name])
+        panels += [replace(panel, name=names[panel.name]) for panel in placed.panels]
+        stitches += [
+            replace(
+                stitch,
+                a=Side(names[stitch.a.panel], stitch.a.edge),
+                b=Side(names[stitch.b.panel], stitch.b.edge),
+            )
+            for stitch in placed.stitches
+        ]
+    name = " + ".join(pattern.name for pattern in patterns)
+    return Pattern(tuple(panels), tuple(stitches), name)
+
+
+def _free(name: str, taken: Container[str]) -> str:
+    """The name, with the first number that makes it a new one where it is taken.
+
+    Example:
+        >>> _free("front", {"front", "front-2"})
+        'front-3'
+    """
+    number, free = 1, name
+    while free in taken:
+        number += 1
+        free = f"{name}-{number}"
+    return free
