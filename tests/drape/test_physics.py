@@ -121,6 +121,17 @@ def test_energy_does_not_grow_without_gravity():
         before = now * 1.05
 
 
+@pytest.mark.parametrize(("side", "bend"), [(1.5, 300.0), (2.5, 1000.0)])
+def test_bending_does_not_drive_the_springs_without_gravity_and_air(side, bend):
+    """Bending forces are kept for several steps, which once made crumpled cloth jitter for ever."""
+    flat, _, rest = sheet(9, 10, side)
+    fabric = replace(SOFT, bend=bend, damping=0.0)
+    start = standing(flat) + np.random.default_rng(3).normal(0, 0.5, (len(flat), 3))
+    settings = Settings(frames=200, gather_frames=0, stop_speed=0, gravity=0.0, top_speed=1e4)
+    speeds = solve(rest, start, FREE, fabric, settings=settings).speeds
+    assert speeds[-1] < 0.15 * speeds[5]
+
+
 def test_a_free_fall_obeys_gravity():
     flat, _, rest = sheet(9, 10, 2.5)
     start, frames = lying(flat), 12

@@ -134,7 +134,7 @@ def _motion_faults(
     if stretch > MOST_STRAIN:
         faults.append(
             f"it is too tight: stretched by {stretch:.0%} (at most {MOST_STRAIN:.0%}); choose a "
-            "larger size or another body"
+            "larger size, another body, or a pose in which its sleeves are drawn"
         )
     faults += [
         f"it slid {far:.1f} cm from the {place} (at most {MOST_SLID:g})"

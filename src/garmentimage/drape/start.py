@@ -28,6 +28,8 @@ UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
 SHORTEST_TURNED = 5.0
 """A sleeve shorter than this is moved, but not turned [cm]."""
+FARTHEST = 40.0
+"""A trouser leg that would have to go farther than this [cm] stands elsewhere on purpose."""
 FACING_IN = 0.5
 """Least part towards the middle of the unit direction in which an inseam faces out of its panel."""
 
@@ -136,6 +138,8 @@ def _shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> No
     height = corners[own, 1]
     low = np.minimum(height, crotch)
     shift = hip[0] + slope_of_leg * (low - hip[1]) - (offset + slope * low)
+    if np.abs(shift).max() > FARTHEST:
+        return
     top = max(float(height.max()), crotch + 1.0)
     corners[own, 0] += shift * np.clip((top - height) / (top - crotch), 0.0, 1.0)
 

@@ -1,0 +1,190 @@
+"""Laws on whole garments: from a pattern to its rest on a body."""
+
+import hashlib
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from garmentimage.body.body import load_body
+from garmentimage.draft.kinds import draft
+from garmentimage.drape.field import body_field
+from garmentimage.drape.wear import check_worn, drape
+from garmentimage.errors import DrapeError
+from garmentimage.examples import example_names, example_path
+from garmentimage.pattern.model import Pattern, Side, Stitch
+from garmentimage.pattern.spec import load_pattern
+from garmentimage.render.surface import surfaces_of
+from garmentimage.render.worn import body_camera, picture
+from tests.raster.mirror import mirrored_pattern
+
+ROOT = Path(__file__).parents[2]
+FEW = 600
+"""Vertices that show a law in a tenth of a second."""
+SIZE = 512
+NEAR = 2.5
+"""Cloth lies over cloth that is nearer than this [cm]."""
+
+
+def garment(name: str) -> Pattern:
+    """A bundled pattern or the plain garment of a kind."""
+    return load_pattern(example_path(name)) if name in example_names() else draft(name)
+
+
+@cache
+def worn(name: str, vertices: int = FEW):
+    return drape(garment(name), vertices=vertices)
+
+
+def silhouette(found, view="front"):
+    surfaces = surfaces_of(found)
+    return picture(surfaces, body_camera(found.body, view), size=SIZE).silhouette
+
+
+def apart(points, others) -> np.ndarray:
+    """Distance from each point to the nearest of the others [cm]."""
+    return cKDTree(others).query(points)[0]
+
+
+def renamed(pattern: Pattern, names: dict[str, str]) -> Pattern:
+    def side(old: Side) -> Side:
+        return Side(names[old.panel], old.edge)
+
+    return replace(
+        pattern,
+        panels=tuple(replace(p, name=names[p.name]) for p in pattern.panels),
+        stitches=tuple(replace(s, a=side(s.a), b=side(s.b)) for s in pattern.stitches),
+    )
+
+
+def together(*patterns: Pattern) -> Pattern:
+    """Garments that are not sewn to each other in one pattern."""
+    parts = [
+        renamed(p, {panel.name: f"{k} {panel.name}" for panel in p.panels})
+        for k, p in enumerate(patterns)
+    ]
+    return Pattern(
+        tuple(panel for p in parts for panel in p.panels),
+        tuple(stitch for p in parts for stitch in p.stitches),
+    )
+
+
+def moved(pattern: Pattern, step) -> Pattern:
+    return replace(
+        pattern,
+        panels=tuple(
+            replace(p, translation=tuple(np.add(p.translation, step).tolist()))
+            for p in pattern.panels
+        ),
+    )
+
+
+def digest(name: str) -> str:
+    found = drape(garment(name), vertices=FEW)
+    return hashlib.sha256(found.points.tobytes() + found.cloth.faces.tobytes()).hexdigest()
+
+
+def test_the_same_garment_gives_the_same_bits_in_every_process():
+    code = "from tests.drape.test_garments import digest; print(digest('dress'))"
+    other = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout.strip()
+    assert digest("dress") == digest("dress") == other
+
+
+@pytest.mark.parametrize("name", ["skirt", "tank", "trousers"])
+def test_a_mirrored_pattern_drapes_to_the_mirror_image(name):
+    plain, flipped = worn(name, 2000), drape(mirrored_pattern(garment(name)), vertices=2000)
+    seen, mirrored = silhouette(plain), silhouette(flipped)[:, ::-1]
+    assert np.abs(seen - mirrored).sum() / seen.sum() < 0.01
+    assert apart(flipped.points * [-1, 1, 1], plain.points).mean() < 0.5
+
+
+@pytest.mark.parametrize("name", ["skirt", "tee", "trousers"])
+def test_the_order_and_the_names_of_panels_do_not_matter(name):
+    pattern = garment(name)
+    names = {p.name: f"piece {9 - k}" for k, p in enumerate(pattern.panels)}
+    other = renamed(replace(pattern, panels=pattern.panels[::-1]), names)
+    stitches = tuple(Stitch(s.b, s.a, s.same_direction) for s in other.stitches[::-1])
+    other = replace(other, stitches=stitches)
+    found = drape(other, vertices=2000)
+    seen, again = silhouette(worn(name, 2000)), silhouette(found)
+    assert np.abs(seen - again).sum() / seen.sum() < 0.005
+    assert apart(found.points, worn(name, 2000).points).mean() < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["skirt", "tank", "trousers", "one-panel-dress", "cutout_top"])
+def test_half_the_mesh_size_moves_the_silhouette_by_less_than_a_hundredth(name):
+    coarse, fine = (silhouette(worn(name, count)).sum() for count in (2000, 8000))
+    assert abs(fine / coarse - 1) < 0.01
+
+
+@pytest.mark.parametrize("name", ["tee", "skirt", "pants", "one-panel-dress"])
+def test_plain_garments_are_worn_without_fault(name):
+    found = worn(name, 2000)
+    check_worn(found)
+    assert found.report.settled and found.report.penetration < 0.5
+
+
+@pytest.mark.parametrize("kind", ["skirt", "pants"])
+def test_a_garment_drawn_for_a_far_slimmer_body_is_too_tight(kind):
+    found = drape(draft(kind, "slim-female"), "short-round-female", vertices=FEW)
+    assert any("too tight" in fault for fault in found.report.faults), found.report.faults
+    with pytest.raises(DrapeError, match="larger size"):
+        check_worn(found)
+
+
+def test_the_smaller_a_garment_the_greater_its_strain():
+    pattern = draft("shirt")
+    body = load_body()
+    stature = np.ptp(body.vertices[:, 1])
+    strains = [
+        drape(pattern, made_for=stature * share, vertices=FEW).report.strain
+        for share in (0.95, 1.0, 1.15, 1.3)
+    ]
+    assert strains == sorted(strains)
+
+
+def test_a_skirt_far_wider_than_the_waist_is_held_up():
+    wide = drape(draft("skirt", "short-round-female"), "tall-slim-female", vertices=FEW)
+    assert wide.report.held > 0
+    assert wide.report.slid["waist"] < 1.0
+    assert not any("slid" in fault for fault in wide.report.faults)
+
+
+@pytest.mark.parametrize("name", ["tee", "trousers"])
+def test_a_garment_beside_the_body_is_refused(name):
+    found = drape(moved(garment(name), (150.0, 0.0, 0.0)), vertices=FEW)
+    with pytest.raises(DrapeError, match="the body is not in the garment"):
+        check_worn(found)
+
+
+def test_panels_without_stitches_are_refused():
+    with pytest.raises(DrapeError, match="no stitches"):
+        drape(replace(draft("tee"), stitches=()))
+
+
+@pytest.mark.parametrize("tucked", [False, True])
+def test_a_top_lies_outside_of_the_skirt_and_tucked_in_it_lies_inside(tucked):
+    found = drape(together(draft("tee"), draft("skirt")), vertices=2000, tucked=tucked)
+    assert found.report.items == 2
+    top, skirt = cloth_of(found, "0 "), cloth_of(found, "1 ")
+    inner, outer = (top, skirt) if tucked else (skirt, top)
+    field = body_field(found.body)
+    gap, nearest = cKDTree(inner).query(outer)
+    over = gap < NEAR
+    assert over.sum() > 20
+    assert np.mean(field.at(outer[over]) > field.at(inner[nearest[over]])) > 0.9
+
+
+def cloth_of(found, prefix: str) -> np.ndarray:
+    """Vertices of the panels whose names begin so [cm]."""
+    names = np.array([p.name.startswith(prefix) for p in found.cloth.pattern.panels])
+    own = np.unique(found.cloth.vertex_faces[names[found.cloth.face_panel]])
+    return found.points[own]
