@@ -10,7 +10,7 @@ from garmentimage.drape.field import empty_field
 from garmentimage.drape.solver import FRAME, GRAVITY, Attachment, Settings, solve
 from tests.drape.sheets import ROW, SOFT, ball, floor, lying, sheet, standing, strip
 
-AT_ONCE = Settings(frames=400, gather_frames=0, stop_speed=0.01)
+AT_ONCE = Settings(frames=600, gather_frames=0, stop_speed=0.01)
 FREE = empty_field()
 
 

@@ -26,6 +26,11 @@ MOST_BINS = 128
 def _count(points, faces, bins, order, first, shape):  # type: ignore[no-untyped-def]
     """Two triangles can only meet where their centres lie in the same bin or in neighbours."""
     crossed = np.zeros(len(faces), np.bool_)
+    low, high = np.empty((len(faces), 3)), np.empty((len(faces), 3))
+    for f in range(len(faces)):
+        for k in range(3):
+            a, b, c = points[faces[f, 0], k], points[faces[f, 1], k], points[faces[f, 2], k]
+            low[f, k], high[f, k] = min(a, b, c), max(a, b, c)
     for f in range(len(faces)):
         for i in range(max(bins[f, 0] - 1, 0), min(bins[f, 0] + 2, shape[0])):
             for j in range(max(bins[f, 1] - 1, 0), min(bins[f, 1] + 2, shape[1])):
@@ -33,11 +38,21 @@ def _count(points, faces, bins, order, first, shape):  # type: ignore[no-untyped
                 start = first[row + max(bins[f, 2] - 1, 0)]
                 stop = first[row + min(bins[f, 2] + 1, shape[2] - 1) + 1]
                 for other in order[start:stop]:
-                    if other <= f or (crossed[f] and crossed[other]):
+                    if other <= f or not _boxes_meet(low, high, f, other):
+                        continue
+                    if crossed[f] and crossed[other]:
                         continue
                     if _cross(points, faces[f], faces[other]):
                         crossed[f] = crossed[other] = True
     return crossed.sum()
+
+
+@njit(cache=True)
+def _boxes_meet(low, high, a, b):  # type: ignore[no-untyped-def]
+    apart = False
+    for k in range(3):
+        apart |= high[a, k] < low[b, k] or high[b, k] < low[a, k]
+    return not apart
 
 
 @njit(cache=True)
@@ -46,13 +61,6 @@ def _cross(points, a, b):  # type: ignore[no-untyped-def]
         for j in range(3):
             if a[i] == b[j]:
                 return False
-    for k in range(3):
-        a_low = min(points[a[0], k], points[a[1], k], points[a[2], k])
-        a_high = max(points[a[0], k], points[a[1], k], points[a[2], k])
-        b_low = min(points[b[0], k], points[b[1], k], points[b[2], k])
-        b_high = max(points[b[0], k], points[b[1], k], points[b[2], k])
-        if a_high < b_low or b_high < a_low:
-            return False
     for i in range(3):
         if _pierces(points, a[i], a[(i + 1) % 3], b) or _pierces(points, b[i], b[(i + 1) % 3], a):
             return True

@@ -240,13 +240,17 @@ def _stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band)
         z0 = max(0, int(np.ceil(min(a[2], b[2], c[2]) - band)))
         z1 = min(nz - 1, int(np.floor(max(a[2], b[2], c[2]) + band)))
         n = face_normal[f]
+        mx, my, mz = (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3
+        radius = max(_apart(a, mx, my, mz), _apart(b, mx, my, mz), _apart(c, mx, my, mz))
         for i in range(x0, x1 + 1):
             for j in range(y0, y1 + 1):
                 for k in range(z0, z1 + 1):
-                    # Most nodes are ruled out by the distance to the triangle's plane.
+                    # Most nodes are ruled out by the distance to the triangle's plane or middle.
                     height = (i - a[0]) * n[0] + (j - a[1]) * n[1] + (k - a[2]) * n[2]
                     limit = min(abs(values[i, j, k]), band)
                     if abs(height) >= limit:
+                        continue
+                    if (i - mx) ** 2 + (j - my) ** 2 + (k - mz) ** 2 >= (radius + limit) ** 2:
                         continue
                     qx, qy, qz, feature = _nearest_on_triangle(i, j, k, a, b, c)
                     dx, dy, dz = i - qx, j - qy, k - qz
@@ -261,6 +265,11 @@ def _stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band)
                         m = vertex_normal[faces[f, feature - 4]]
                     inside = dx * m[0] + dy * m[1] + dz * m[2] < 0.0
                     values[i, j, k] = -d if inside else d
+
+
+@njit(cache=True)
+def _apart(point, x, y, z):  # type: ignore[no-untyped-def]
+    return np.sqrt((point[0] - x) ** 2 + (point[1] - y) ** 2 + (point[2] - z) ** 2)
 
 
 @njit(cache=True)

@@ -103,7 +103,7 @@ def turns(
     A line that is lifted over the middle of the chest goes round every bone once more; taking
     off the turns round the head makes the result independent of where the chest is.
     """
-    counts = [_signed_crossings(line, bones[name]) for name in BONES]
+    counts = _signed_crossings(line, [bones[name] for name in BONES])
     return tuple(c - counts[0] for c in counts[1:])
 
 
@@ -113,16 +113,23 @@ def is_beyond(line: Float[np.ndarray, "n 3"], bone: Float[np.ndarray, "m 3"]) ->
     return bool((line.mean(axis=0) - bone[-2]) @ way > HAND)
 
 
-def _signed_crossings(line: np.ndarray, bone: np.ndarray) -> int:
-    """Signed number of times that a bone goes through the fan spanned by a closed line."""
+def _signed_crossings(line: np.ndarray, bones: list[np.ndarray]) -> list[int]:
+    """Signed number of times that each bone goes through the fan spanned by a closed line."""
     a = np.broadcast_to(line.mean(axis=0), line.shape)[:, None]
     b, c = line[:, None], np.roll(line, -1, axis=0)[:, None]
-    p, q = bone[None, :-1], bone[None, 1:]
+    p = np.concatenate([bone[:-1] for bone in bones])[None]
+    q = np.concatenate([bone[1:] for bone in bones])[None]
     above, below = _volumes(a, b, c, p) > 0, _volumes(a, b, c, q) > 0
     sides = np.stack([_volumes(p, q, u, v) > 0 for u, v in ((a, b), (b, c), (c, a))])
     through = (above != below) & (sides == sides[0]).all(axis=0)
-    return int((through * np.where(above, 1, -1)).sum())
+    counts = (through * np.where(above, 1, -1)).sum(axis=0)
+    first = np.cumsum([0, *(len(bone) - 1 for bone in bones[:-1])])
+    return [int(n) for n in np.add.reduceat(counts, first)]
 
 
 def _volumes(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    return np.einsum("...k,...k->...", np.cross(b - a, c - a), d - a)
+    """Six times the signed volumes of tetrahedra, coordinate by coordinate as numpy is fast at."""
+    ux, uy, uz = np.moveaxis(b - a, -1, 0)
+    vx, vy, vz = np.moveaxis(c - a, -1, 0)
+    wx, wy, wz = np.moveaxis(d - a, -1, 0)
+    return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx)

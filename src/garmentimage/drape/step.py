@@ -13,8 +13,10 @@ FRAME = 1.0 / 60.0
 """[s]"""
 LOOK_AHEAD = 0.1
 """Forces are taken at the places this share of a step later."""
-BEND_LOOK_AHEAD = 0.5
-"""Bending forces are taken at the places this share of their time of use later."""
+BEND_LOOK_AHEAD = 1.0
+"""Bending forces are taken at the places this share of their time of use later. At a half they
+would neither damp nor drive; forces kept for several steps can then drive the springs (as impulses
+do in multiple time stepping), and crumpled cloth jitters for ever. At one they damp."""
 WARY = 0.8
 """Far from the body, a vertex can count on this share of the distance field's value."""
 MOST_REST = 1000
@@ -41,7 +43,9 @@ def simulate(points, speeds, springs, bending, masses, held, field, cloth, count
     planes[:, 3] = -np.inf
     rest = np.zeros(count, np.int64)
     reach = top_speed * step * refresh
+    before = np.empty((count, 3))
     for frame in range(len(speeds)):
+        before[:] = points
         gathering = frame < gather_frames
         keep = np.exp(-(gather_damping if gathering else damping) * step)
         fall = 0.0 if gathering else -gravity * step * step
@@ -62,7 +66,7 @@ def simulate(points, speeds, springs, bending, masses, held, field, cloth, count
                 _advance(points, moved, i, x, y, z, top_speed * step)
             _hold(points, moved, held)
             _collide(points, moved, planes, grip, push_speed * step)
-        speeds[frame] = _mean_length(moved) / step
+        speeds[frame] = _mean_distance(points, before) / FRAME
         if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
             return frame + 1, True
     return len(speeds), False
@@ -185,9 +189,11 @@ def _collide(points, moved, planes, friction, most):
 
 
 @njit(cache=True)
-def _mean_length(vectors):
+def _mean_distance(points, others):
     total = 0.0
-    for i in range(len(vectors)):
-        v = vectors[i]
-        total += np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    return total / len(vectors)
+    for i in range(len(points)):
+        x = points[i, 0] - others[i, 0]
+        y = points[i, 1] - others[i, 1]
+        z = points[i, 2] - others[i, 2]
+        total += np.sqrt(x * x + y * y + z * z)
+    return total / len(points)
