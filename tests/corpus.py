@@ -34,9 +34,15 @@ def unpacked(archive: str, target: Path) -> Path:
     folder = corpus_folder()
     if folder is None or not (folder / archive).is_file():
         pytest.skip(f"no {archive} in GARMENTIMAGE_CORPUS or ../shared")
-    with tarfile.open(folder / archive) as tar:
-        tar.extractall(target, filter="data")
+    _extract(folder / archive, target)
     return target
+
+
+def _extract(archive: Path, target: Path) -> None:
+    with tarfile.open(archive) as tar:
+        # Python before 3.11.4 knows no filters; nor does it need them for our own archives.
+        tar.extraction_filter = getattr(tarfile, "data_filter", lambda member, path: member)
+        tar.extractall(target)
 
 
 def corpus_files() -> list[Path]:
@@ -87,8 +93,7 @@ def _unpacked_once(archive: Path) -> Path:
     target = Path(tempfile.gettempdir(), name)
     if not target.is_dir():
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
-            with tarfile.open(archive) as tar:
-                tar.extractall(Path(folder, "corpus"), filter="data")
+            _extract(archive, Path(folder, "corpus"))
             try:
                 Path(folder, "corpus").rename(target)
             except OSError:  # Another test process was quicker.
