@@ -218,6 +218,7 @@ def _body(name: str, pose: str | None) -> "Body":
     """A shipped body, or one from a mesh file, which stands as it stands."""
     from garmentimage.body.body import load_body
     from garmentimage.body.obj import MESH_FORMATS, load_body_file
+    from garmentimage.body.stance import stand_straight
 
     ending = Path(name).suffix.lower().removeprefix(".")
     if ending == "json":
@@ -226,7 +227,7 @@ def _body(name: str, pose: str | None) -> "Body":
             f"or a mesh ({', '.join(MESH_FORMATS)})"
         )
     if ending not in MESH_FORMATS:
-        return load_body(name, pose or POSE)
+        return stand_straight(load_body(name, pose or POSE))
     if pose is not None:
         raise DraftError(f"{shown_path(name)}: stands as it does; --pose is for shipped bodies")
     with warnings.catch_warnings(record=True) as found:

@@ -4,9 +4,9 @@ Words of this file:
 
 - An **item** is all cloth that is sewn together. A pattern may hold several: a top, and trousers
   that are not sewn to it.
-- An item **hangs** where some of it lies on the shoulders or above; else it is **held**: the line
-  of its topmost opening, a waistband or the edge of a strapless bodice, keeps its height, as a
-  belt or an elastic would do.
+- An item **hangs** where some of it lies on a shoulder: an arm leaves it through another opening
+  than the head does. Else it is **held**: the line of its topmost opening, a waistband or the edge
+  of a strapless bodice, keeps its height, as a belt or an elastic would do.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,18 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentimage.body.body import Body
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.openings import openings
+from garmentimage.drape.openings import bones, openings, turns
 
 SHOULDER_SHARE = 0.785
 """Height of the shoulders as a share of the stature, where a body has no landmark for them."""
 
 BELT = 6.0
 """Only what lies less than this below the top of an opening is held [cm]."""
+
+
+CHEST_OVER_WAIST = 20.0
+"""Openings less than this under the middle of the chest are at the top of the body [cm]. The hem of
+a circle skirt, which begins spread out flat, may go round an arm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +66,7 @@ def items(
     found = []
     for k in range(number):
         own = faces[label_of_face == k]
-        held = _held(own, start) if start[own, 1].max() < shoulder_height(body) else _NONE
+        held = _NONE if _hangs(own, start, body) else _held(own, start)
         found.append((bool(len(held)) == tucked, len(own), k, held))
     found.sort(key=lambda item: item[:3])
     return tuple(Item(np.flatnonzero(label == k), held) for _, _, k, held in found)
@@ -76,6 +81,15 @@ def shoulder_height(body: Body) -> float:
     if joint is not None:
         return float(joint[1])
     return SHOULDER_SHARE * float(body.vertices[:, 1].max())
+
+
+def _hangs(faces: np.ndarray, start: np.ndarray, body: Body) -> bool:
+    lines = bones(body)
+    if lines is None:
+        return bool(start[faces, 1].max() >= shoulder_height(body))
+    waist = lines["head"][0, 1] - CHEST_OVER_WAIST
+    upper = [line for line in openings(faces) if start[line, 1].mean() > waist]
+    return any(any(turns(start[line], lines)[:2]) for line in upper)
 
 
 def _held(faces: np.ndarray, start: np.ndarray) -> Int[np.ndarray, " m"]:

@@ -40,6 +40,10 @@ HAND = 12.0
 """An opening that lies farther than this beyond the last landmark of a limb [cm] need not go round
 it: long sleeves hang down from the hand."""
 
+SOLE, KNEE = 3.0, 30.0
+"""Nor need one round a leg that lies lower than this over the floor [cm], as feet point forward; a
+limb that ends lower than a knee and points down is a leg."""
+
 CHEST = 0.7
 """Height of the middle of the chest between the hips (0) and the neck (1)."""
 
@@ -110,7 +114,10 @@ def turns(
 def is_beyond(line: Float[np.ndarray, "n 3"], bone: Float[np.ndarray, "m 3"]) -> bool:
     """Whether an opening lies beyond the end of a limb."""
     way = (bone[-1] - bone[-2]) / BEYOND
-    return bool((line.mean(axis=0) - bone[-2]) @ way > HAND)
+    middle = line.mean(axis=0)
+    downwards = -way[1] > abs(way[0])
+    at_feet = downwards and bone[-2, 1] < KNEE and middle[1] < SOLE
+    return bool(at_feet or (middle - bone[-2]) @ way > HAND)
 
 
 def _signed_crossings(line: np.ndarray, bones: list[np.ndarray]) -> list[int]:

@@ -357,7 +357,7 @@ def _joins(pattern: Pattern, pieces: _Pieces, side: Side) -> str:
     if partner is None:
         return "nothing"
     (x, _, z), (u, _, w) = pieces[side.panel].centre, pieces[partner.panel].centre
-    if x * u < 0:
+    if x * u < 0 and min(abs(x), abs(u)) > MIDDLE:
         return "sides"
     return "inseam" if z * w < 0 else "other"
 

@@ -6,6 +6,8 @@ trouser leg would stay outside. So before the panels are sewn,
 
 - panels that lie wholly beyond a shoulder turn and move in the picture plane, until their middle
   line is the arm's;
+- what stands out sideways of a wide skirt, which laid flat may reach up to the arms, is bent down
+  round the middle of its waist;
 - below the crotch, cloth that is sewn round each leg by itself (it has an **inseam**: a seam of a
   front and a back panel, both of which lie outward of it) is shifted sideways to follow the leg.
 
@@ -28,6 +30,10 @@ UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
 SHORTEST_TURNED = 5.0
 """A sleeve shorter than this is moved, but not turned [cm]."""
+CHEST = 0.7
+"""Where the chest is on the way from the waist to the shoulder joints."""
+WIDE, KEPT_BEYOND = np.deg2rad(60.0), 0.15
+"""A skirt begins hanging out by this angle at most, and by this share of what is beyond it."""
 FARTHEST = 40.0
 """A trouser leg that would have to go farther than this [cm] stands elsewhere on purpose."""
 FACING_IN = 0.5
@@ -46,6 +52,7 @@ def start_points(cloth: Cloth, body: Body) -> Float[np.ndarray, "vertex 3"]:
     if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= marks.keys():
         for side in (1, -1):
             _lay_sleeve(cloth, corners, marks, side)
+        _hang_skirts(cloth, corners, marks)
     if {"left_hip_joint", "left_ankle_joint", "crotch"} <= marks.keys():
         for side in (1, -1):
             _shift_leg(cloth, corners, marks, side)
@@ -59,16 +66,10 @@ def _lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> N
     middle of narrow ones and `UNDER_TOP` under the top of wide ones, which hang down from it.
     """
     shoulder, wrist = (_of_side(marks, f"left_{n}_joint", side)[:2] for n in ("shoulder", "wrist"))
-    reach = side * shoulder[0]
-    sleeve = np.zeros(len(corners), bool)
-    for k in range(len(cloth.pattern.panels)):
-        own = cloth.panel == k
-        x = side * corners[own, 0]
-        if x.min() > SLEEVE_INNER * reach and x.mean() > reach:
-            sleeve |= own
+    sleeve = _sleeve(cloth, corners, marks, side)
     armhole = corners[_armhole(cloth, sleeve), :2]
     rings = [corners[ring, :2] for ring in _rings(cloth, sleeve)]
-    if not len(armhole) or not rings or armhole[:, 1].mean() < marks["waist_front"][1]:
+    if not len(armhole) or not rings:
         return
     way = rings[0].mean(axis=0) - armhole.mean(axis=0)
     up = side * np.array([-way[1], way[0]])
@@ -80,6 +81,32 @@ def _lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> N
     turned = (corners[sleeve, :2] - out) @ np.array([[cos, sin], [-sin, cos]])
     across = np.array([-arm[1], arm[0]]) / np.hypot(*arm)
     corners[sleeve, :2] = out + turned + ((shoulder - out) @ across) * across
+
+
+def _sleeve(
+    cloth: Cloth, corners: np.ndarray, marks: Marks, side: int
+) -> Bool[np.ndarray, " corner"]:
+    """Corners of the panels round the arm of one side: sleeves, and cuffs sewn to them.
+
+    Panels of a wide skirt lie as far out, but begin no higher than the waist.
+    """
+    panels = cloth.pattern.panels
+    reach = marks["left_shoulder_joint"][0]
+    chest = _chest(marks)
+    outer, found = set(), set()
+    for k, panel in enumerate(panels):
+        x, y = side * corners[cloth.panel == k, 0], corners[cloth.panel == k, 1]
+        if x.min() > SLEEVE_INNER * reach and x.mean() > reach:
+            outer.add(panel.name)
+            if y.max() > chest:
+                found.add(panel.name)
+    joined = [{s.panel for s in stitch.sides} for stitch in cloth.pattern.stitches]
+    growing = True
+    while growing:
+        more = {n for pair in joined if pair & found for n in pair & outer} - found
+        found |= more
+        growing = bool(more)
+    return np.isin(cloth.panel, [k for k, panel in enumerate(panels) if panel.name in found])
 
 
 def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarray, " corner"]:
@@ -115,6 +142,24 @@ def _arms_place(
     top, bottom = opening[height.argmax()], opening[height.argmin()]
     width = float(np.hypot(*(bottom - top)))
     return top + (bottom - top) * (min(width / 2, UNDER_TOP) / max(width, 1e-9))
+
+
+def _hang_skirts(cloth: Cloth, corners: np.ndarray, marks: Marks) -> None:
+    """Bend down the sides of panels that begin at the waist and would reach up to the arms."""
+    reach, waist, chest = marks["left_shoulder_joint"][0], marks["waist_front"][1], _chest(marks)
+    for k in range(len(cloth.pattern.panels)):
+        own = np.flatnonzero(cloth.panel == k)
+        away, height = np.abs(corners[own, 0]), corners[own, 1]
+        middle = height[away <= reach]
+        top = float(middle.max()) if len(middle) else waist
+        if top > chest or height.max() < chest or height.mean() > waist:
+            continue
+        bearing, distance = np.arctan2(away, top - height), np.hypot(away, top - height)
+        out = (away > reach) & (bearing > WIDE)
+        bent = WIDE + (bearing[out] - WIDE) * KEPT_BEYOND
+        side = np.sign(corners[own[out], 0])
+        corners[own[out], 0] = side * distance[out] * np.sin(bent)
+        corners[own[out], 1] = top - distance[out] * np.cos(bent)
 
 
 def _shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
@@ -155,6 +200,12 @@ def _is_inseam(cloth: Cloth, corners: np.ndarray, of: Side, side: int, crotch: f
     turn = 1.0 if panel.outline.area > 0 else -1.0
     outward = panel.matrix[:, :2] @ (turn * np.array([along[1], -along[0]]))
     return bool(-side * outward[0] > FACING_IN * np.linalg.norm(along))
+
+
+def _chest(marks: Marks) -> float:
+    """Height of the chest, over skirts and under the tops of sleeves [cm]."""
+    shoulder, waist = marks["left_shoulder_joint"][1], marks["waist_front"][1]
+    return float(waist + CHEST * (shoulder - waist))
 
 
 def _faces_front(cloth: Cloth, of: Side) -> bool:

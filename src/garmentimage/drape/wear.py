@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from garmentimage.body.body import Body, load_body
+from garmentimage.body.stance import stand_straight
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.field import DistanceField, body_field
 from garmentimage.drape.items import Item, items
@@ -18,7 +19,7 @@ from garmentimage.drape.worn import Worn
 from garmentimage.errors import DrapeError
 from garmentimage.pattern.model import Pattern
 
-BELT_STIFFNESS = 1e4
+BELT_STIFFNESS = 1e5
 """With which a belt keeps each vertex at its height [dyn/cm]."""
 
 
@@ -39,7 +40,7 @@ def drape(
 
     Args:
         pattern: a garment that passes `check_pattern`.
-        body: name of a shipped body, in T-pose, or a body.
+        body: name of a shipped body, in T-pose and with its legs upright, or a body as it stands.
         fabric: name of a fabric, or one of your own.
         vertices: about how many the cloth has.
         tucked: tops are worn under skirts and trousers, not over them.
@@ -56,7 +57,7 @@ def drape(
         DraftError: there is no body of that name.
     """
     began = time.perf_counter()
-    body = load_body(body) if isinstance(body, str) else body
+    body = stand_straight(load_body(body)) if isinstance(body, str) else body
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     _check_sewn(pattern)
     placed, _ = standing(pattern, body, made_for=made_for)

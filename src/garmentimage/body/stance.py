@@ -1,0 +1,75 @@
+"""Stance: how far apart a body holds its legs.
+
+Shipped bodies stand with their legs well apart, so that each can be measured by itself. Whoever
+wears a narrow skirt stands otherwise, and so do the bodies that published patterns are drawn for.
+"""
+
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.body.body import Body
+
+WORN_LEG_ANGLE = np.deg2rad(2.5)
+"""How far each leg stands out on a body that wears something."""
+TURNED_BELOW_CROTCH = 6.0
+"""From the hip joint to this far under the crotch, skin turns more and more with the leg [cm]."""
+HANDS = 35.0
+"""Skin farther than this from the middle is no leg [cm]."""
+BETWEEN = 3.0
+"""Skin nearer to the middle than this turns less, in the middle not at all [cm]."""
+BODIES_KEPT = 16
+"""Bodies whose stance is remembered."""
+
+
+@lru_cache(maxsize=BODIES_KEPT)
+def stand_straight(body: Body) -> Body:
+    """The body with its legs turned in about the hip joints until nearly upright.
+
+    Above the crotch the skin follows little by little. A body that stands so already, or that has
+    no landmark at its hips and ankles, is returned as it is.
+    """
+    marks = body.landmarks
+    if not {"left_hip_joint", "left_ankle_joint", "crotch"} <= marks.keys():
+        return body
+    hip, ankle = marks["left_hip_joint"], marks["left_ankle_joint"]
+    turn = np.arctan2(ankle[0] - hip[0], hip[1] - ankle[1]) - WORN_LEG_ANGLE
+    if turn <= 0:
+        return body
+    depth = hip[1] - marks["crotch"][1] + TURNED_BELOW_CROTCH
+    vertices = _turned(body.vertices, hip, turn, depth)
+    lifted = np.array([0.0, vertices[:, 1].min(), 0.0])
+    names = list(marks)
+    places = _turned(np.array([marks[name] for name in names]), hip, turn, depth) - lifted
+    vertices -= lifted
+    for array in (vertices, places):
+        array.setflags(write=False)
+    return Body(
+        vertices, body.faces, body.name, body.pose, MappingProxyType(dict(zip(names, places)))
+    )
+
+
+def _turned(
+    points: Float[np.ndarray, "point 3"], hip: Float[np.ndarray, " 3"], turn: float, depth: float
+) -> Float[np.ndarray, "point 3"]:
+    """Points of both legs turned about the hip joints in the picture plane.
+
+    Args:
+        points: anywhere on the body [cm].
+        hip: the left hip joint [cm].
+        turn: towards the middle [rad].
+        depth: under the hip joints [cm]; from there on points turn as far as told.
+    """
+    share = np.clip((hip[1] - points[:, 1]) / depth, 0.0, 1.0)
+    away = np.abs(points[:, 0])
+    share = np.where(away < HANDS, share * share * (3 - 2 * share), 0.0)
+    share *= np.clip(away / BETWEEN, 0.0, 1.0)
+    side = np.where(points[:, 0] < 0, -1.0, 1.0)
+    cos, sin = np.cos(turn * share), np.sin(turn * share)
+    out, up = side * points[:, 0] - hip[0], points[:, 1] - hip[1]
+    turned = points.copy()
+    turned[:, 0] = side * (hip[0] + cos * out + sin * up)
+    turned[:, 1] = hip[1] - sin * out + cos * up
+    return turned
