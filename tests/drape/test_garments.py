@@ -14,6 +14,10 @@ from scipy.spatial import cKDTree
 from garmentimage.body.body import load_body
 from garmentimage.draft.kinds import draft
 from garmentimage.drape.field import body_field
+from garmentimage.drape.items import items
+from garmentimage.drape.mesh import mesh
+from garmentimage.drape.stand import standing
+from garmentimage.drape.start import start_points
 from garmentimage.drape.wear import check_worn, drape
 from garmentimage.errors import DrapeError
 from garmentimage.examples import example_names, example_path
@@ -188,3 +192,25 @@ def cloth_of(found, prefix: str) -> np.ndarray:
     names = np.array([p.name.startswith(prefix) for p in found.cloth.pattern.panels])
     own = np.unique(found.cloth.vertex_faces[names[found.cloth.face_panel]])
     return found.points[own]
+
+
+@pytest.mark.parametrize("top", [125.0, 133.0, 138.0])
+def test_a_tube_under_the_arms_is_held_however_high_it_reaches(top):
+    body, skirt = load_body(), draft("skirt")
+    up = top - max(p.to_world(p.outline.polygon)[:, 1].max() for p in skirt.panels)
+    panels = tuple(
+        replace(p, translation=(p.translation[0], p.translation[1] + up, p.translation[2]))
+        for p in skirt.panels
+    )
+    placed, _ = standing(replace(skirt, panels=panels), body)
+    cloth = mesh(placed, vertices=FEW)
+    (item,) = items(cloth, start_points(cloth, body), body)
+    assert len(item.held)
+
+
+@pytest.mark.parametrize("kind", ["tee", "tank", "hoodie", "one-panel-dress"])
+def test_what_lies_on_the_shoulders_hangs(kind):
+    body = load_body()
+    cloth = mesh(standing(draft(kind), body)[0], vertices=FEW)
+    (item,) = items(cloth, start_points(cloth, body), body)
+    assert not len(item.held)

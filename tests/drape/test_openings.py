@@ -5,7 +5,7 @@ import pytest
 
 from garmentimage.body.body import load_body
 from garmentimage.body.measurements import presets
-from garmentimage.drape.openings import BONES, bones, openings, turns
+from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
 
 LIMBS = tuple(BONES)[1:]
 LEFT_ARM, RIGHT_ARM, LEFT_LEG, RIGHT_LEG = range(4)
@@ -131,3 +131,16 @@ def test_a_mirrored_ring_turns_round_the_other_arm():
     left, right = turns(line, bones(body)), turns(line * [-1, 1, 1], bones(body))
     assert (left[LEFT_ARM], left[RIGHT_ARM]) == (-right[RIGHT_ARM], -right[LEFT_ARM])
     assert left[LEFT_ARM] != 0 and right[RIGHT_ARM] != 0
+
+
+def test_an_opening_at_the_feet_is_beyond_a_leg_and_one_at_the_shins_is_not():
+    body = load_body("mean-female")
+    leg = bones(body)["left leg"]
+    ankle = body.landmarks["left_ankle_joint"]
+    at = lambda height: ring([ankle[0], height, ankle[2]], [0, 1, 0], 8)  # noqa: E731
+    assert is_beyond(at(1.0), leg)
+    assert not is_beyond(at(20.0), leg)
+    arm = bones(body)["left arm"]
+    wrist, way = along(body, 1.0, "left_elbow_joint", "left_wrist_joint")
+    assert not is_beyond(ring(wrist + 5 * way / np.linalg.norm(way), way, 8), arm)
+    assert is_beyond(ring(wrist + 20 * way / np.linalg.norm(way), way, 8), arm)

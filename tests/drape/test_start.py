@@ -14,7 +14,7 @@ from garmentimage.drape.openings import BONES, bones, openings, turns
 from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
 from garmentimage.examples import example_path
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
 
 LIMBS = tuple(BONES)[1:]
 FEW = 600
@@ -89,3 +89,31 @@ def test_what_hangs_goes_over_what_is_held_unless_it_is_tucked():
     assert [len(i.held) > 0 for i in under] == [False, True]
     band = start[over[0].held]
     assert abs(band[:, 1].mean() - body.landmarks["waist_front"][1]) < 5.0
+
+
+def wide_skirt(angle: float, out: float = 60.0) -> Pattern:
+    """A tee that wears a skirt whose side panels begin far out of the body, as godets do."""
+    tee = draft_pattern("tee")
+    corners = ((0.0, 0.0), (20.0, 0.0), (20.0, 40.0), (0.0, 40.0))
+    square = Loop(corners, tuple(Edge(k, (k + 1) % 4) for k in range(4)))
+    extra = [
+        Panel(f"godet_{k}", square, rotation=(0.0, 0.0, angle), translation=(out, 40.0, z))
+        for k, z in ((0, 12.0), (1, -12.0))
+    ]
+    stitches = (Stitch(Side("godet_0", 1), Side("godet_1", 1)),)
+    return replace(tee, panels=(*tee.panels, *extra), stitches=(*tee.stitches, *stitches))
+
+
+def test_panels_of_a_wide_skirt_are_no_sleeves():
+    body = load_body("mean-female")
+    alone, beside = draft_pattern("tee"), wide_skirt(20.0)
+    starts = []
+    for pattern in (alone, beside):
+        cloth = mesh(standing(pattern, body)[0], vertices=FEW)
+        corners = start_points(cloth, body)[cloth.vertex]
+        names = [p.name for p in cloth.pattern.panels]
+        sleeve = [n for n in names if n.startswith("left_sleeve")]
+        own = np.isin(cloth.panel, [names.index(n) for n in sleeve])
+        starts.append((corners[own].min(axis=0), corners[own].max(axis=0)))
+    np.testing.assert_allclose(starts[0], starts[1], atol=1.0)
+    assert limbs_inside(beside, body) >= {"left arm", "right arm"}

@@ -27,9 +27,8 @@ BELT = 6.0
 """Only what lies less than this below the top of an opening is held [cm]."""
 
 
-CHEST_OVER_WAIST = 20.0
-"""Openings less than this under the middle of the chest are at the top of the body [cm]. The hem of
-a circle skirt, which begins spread out flat, may go round an arm."""
+ARMS = 2
+"""Limbs that come first in the turns of an opening."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +83,12 @@ def shoulder_height(body: Body) -> float:
 
 
 def _hangs(faces: np.ndarray, start: np.ndarray, body: Body) -> bool:
+    """Whether an opening goes round arms alone, neither the head nor the legs."""
     lines = bones(body)
     if lines is None:
         return bool(start[faces, 1].max() >= shoulder_height(body))
-    waist = lines["head"][0, 1] - CHEST_OVER_WAIST
-    upper = [line for line in openings(faces) if start[line, 1].mean() > waist]
-    return any(any(turns(start[line], lines)[:2]) for line in upper)
+    found = [turns(start[line], lines) for line in openings(faces)]
+    return any(any(t[:ARMS]) and not any(t[ARMS:]) for t in found)
 
 
 def _held(faces: np.ndarray, start: np.ndarray) -> Int[np.ndarray, " m"]:

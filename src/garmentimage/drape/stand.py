@@ -10,7 +10,8 @@ other is moved, not bent, by the least that puts it right:
 3. A garment without them that ends near the waist hangs from the **waist**: its top edge goes to
    the waist, or, where it is longer than the waist, as far down as the body is thick enough to
    hold it; trousers that are too short for that go no higher than the crotch lets them.
-4. Any other, a strapless dress for one, is held by the **chest**, and keeps its height.
+4. Any other, a strapless dress for one, is held by the **chest**, and keeps its height where that
+   is under the arms.
 5. Front and back are moved forward or backward until the body is clear of both.
 
 It is never moved sideways: a garment may be meant to be unlike on its two sides.
@@ -38,6 +39,8 @@ WAIST_BELOW, WAIST_ABOVE = 1.0, 4.5
 EASE = 8.0
 """A top edge holds where it is no longer than the body is round there, and this [cm]: a band that
 is held at its height stands off by no more than 1.3 cm all round then."""
+UNDER_ARMS = 3.0
+"""A garment held by the chest ends at least so far under the shoulder joints [cm]."""
 CROTCH_ROOM = 1.0
 """The crotch of trousers keeps this far below the crotch of the body [cm]."""
 WAIST_LIMIT = 118.0
@@ -239,7 +242,8 @@ def _hold(pattern: Pattern, pieces: _Pieces, body: Body) -> tuple[Held, float, f
         up = _into(float(over.min()), TOUCH, DRAWN_ABOVE)
         return Held.SHOULDERS, up, float(body.landmarks["left_neck_point"][1]), 0.0
     if top >= WAIST_LIMIT:
-        return Held.CHEST, 0.0, top, 0.0
+        up = min(float(body.landmarks["left_shoulder_joint"][1]) - UNDER_ARMS - top, 0.0)
+        return Held.CHEST, up, top + up, 0.0
     opening = sum(pattern.curve(edge.side).length for edge in edges)
     up = _to_waist(top, opening, body)
     crotch = _crotch(pattern, pieces, top)
