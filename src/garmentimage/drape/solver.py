@@ -52,7 +52,7 @@ class Attachment:
 class Settings:
     """How long to simulate, and how."""
 
-    frames: int = 200
+    frames: int = 300
     """Greatest number of frames, each a sixtieth of a second."""
     gather_frames: int = 15
     """First frames, without gravity and friction, in which seams close."""

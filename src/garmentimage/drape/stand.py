@@ -41,6 +41,8 @@ EASE = 8.0
 is held at its height stands off by no more than 1.3 cm all round then."""
 UNDER_ARMS = 3.0
 """A garment held by the chest ends at least so far under the shoulder joints [cm]."""
+MOST_LOWERED = 12.0
+"""What would have to be lowered by more for that [cm], as a hood would, is worn higher up."""
 CROTCH_ROOM = 1.0
 """The crotch of trousers keeps this far below the crotch of the body [cm]."""
 WAIST_LIMIT = 118.0
@@ -243,6 +245,7 @@ def _hold(pattern: Pattern, pieces: _Pieces, body: Body) -> tuple[Held, float, f
         return Held.SHOULDERS, up, float(body.landmarks["left_neck_point"][1]), 0.0
     if top >= WAIST_LIMIT:
         up = min(float(body.landmarks["left_shoulder_joint"][1]) - UNDER_ARMS - top, 0.0)
+        up = up if up > -MOST_LOWERED else 0.0
         return Held.CHEST, up, top + up, 0.0
     opening = sum(pattern.curve(edge.side).length for edge in edges)
     up = _to_waist(top, opening, body)

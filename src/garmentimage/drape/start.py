@@ -24,7 +24,7 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.pattern.model import Side
 from garmentimage.raster.place import FRONTAL
 
-SLEEVE_INNER = 0.2
+SLEEVE_INNER = 0.35
 """Sleeves stay outside of this share of the shoulder joint's distance from the middle."""
 UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
@@ -69,7 +69,8 @@ def _lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> N
     sleeve = _sleeve(cloth, corners, marks, side)
     armhole = corners[_armhole(cloth, sleeve), :2]
     rings = [corners[ring, :2] for ring in _rings(cloth, sleeve)]
-    if not len(armhole) or not rings:
+    lowest = (marks["waist_front"][1] + marks["crotch"][1]) / 2 if "crotch" in marks else 0.0
+    if not len(armhole) or not rings or armhole[:, 1].mean() < lowest:
         return
     way = rings[0].mean(axis=0) - armhole.mean(axis=0)
     up = side * np.array([-way[1], way[0]])
