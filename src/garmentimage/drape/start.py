@@ -24,7 +24,7 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.pattern.model import Side
 from garmentimage.raster.place import FRONTAL
 
-SLEEVE_INNER = 0.35
+SLEEVE_INNER = 0.2
 """Sleeves stay outside of this share of the shoulder joint's distance from the middle."""
 UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
@@ -34,8 +34,14 @@ CHEST = 0.7
 """Where the chest is on the way from the waist to the shoulder joints."""
 WIDE, KEPT_BEYOND = np.deg2rad(60.0), 0.15
 """A skirt begins hanging out by this angle at most, and by this share of what is beyond it."""
+ALL_ROUND = np.deg2rad(150.0)
+"""A seam goes all round its middle if it goes to this angle from straight down."""
+SEAM_DEPTH = 8.0
+"""A panel over a seam ends no deeper than this below the middle of the seam [cm]."""
 FARTHEST = 40.0
 """A trouser leg that would have to go farther than this [cm] stands elsewhere on purpose."""
+FOOT_ROOM = 2.0
+"""Cloth round the feet begins at least so far in front of toes and behind heels [cm]."""
 FACING_IN = 0.5
 """Least part towards the middle of the unit direction in which an inseam faces out of its panel."""
 
@@ -53,6 +59,8 @@ def start_points(cloth: Cloth, body: Body) -> Float[np.ndarray, "vertex 3"]:
         for side in (1, -1):
             _lay_sleeve(cloth, corners, marks, side)
         _hang_skirts(cloth, corners, marks)
+    if {"left_knee_joint", "left_ankle_joint"} <= marks.keys():
+        _clear_feet(corners, body)
     if {"left_hip_joint", "left_ankle_joint", "crotch"} <= marks.keys():
         for side in (1, -1):
             _shift_leg(cloth, corners, marks, side)
@@ -89,22 +97,31 @@ def _sleeve(
 ) -> Bool[np.ndarray, " corner"]:
     """Corners of the panels round the arm of one side: sleeves, and cuffs sewn to them.
 
-    Panels of a wide skirt lie as far out, but begin no higher than the waist.
+    Panels of a wide skirt lie as far out, but begin no higher than the waist. The halves of a wide
+    jacket's front do begin there, but no panel beside them is their back.
     """
     panels = cloth.pattern.panels
     reach = marks["left_shoulder_joint"][0]
     chest = _chest(marks)
-    outer, found = set(), set()
+    outer, high = set(), set()
     for k, panel in enumerate(panels):
         x, y = side * corners[cloth.panel == k, 0], corners[cloth.panel == k, 1]
         if x.min() > SLEEVE_INNER * reach and x.mean() > reach:
             outer.add(panel.name)
             if y.max() > chest:
-                found.add(panel.name)
+                high.add(panel.name)
+    halves = {
+        side.panel
+        for stitch in cloth.pattern.stitches
+        if {s.panel for s in stitch.sides} <= outer
+        and _faces_front(cloth, stitch.a) != _faces_front(cloth, stitch.b)
+        for side in stitch.sides
+    }
+    found = halves & high
     joined = [{s.panel for s in stitch.sides} for stitch in cloth.pattern.stitches]
     growing = True
     while growing:
-        more = {n for pair in joined if pair & found for n in pair & outer} - found
+        more = {n for pair in joined if pair & found for n in pair & halves} - found
         found |= more
         growing = bool(more)
     return np.isin(cloth.panel, [k for k, panel in enumerate(panels) if panel.name in found])
@@ -146,21 +163,48 @@ def _arms_place(
 
 
 def _hang_skirts(cloth: Cloth, corners: np.ndarray, marks: Marks) -> None:
-    """Bend down the sides of panels that begin at the waist and would reach up to the arms."""
+    """Bend down the sides of skirts that would reach up to the arms, or that go all round."""
     reach, waist, chest = marks["left_shoulder_joint"][0], marks["waist_front"][1], _chest(marks)
     for k in range(len(cloth.pattern.panels)):
         own = np.flatnonzero(cloth.panel == k)
         away, height = np.abs(corners[own, 0]), corners[own, 1]
-        middle = height[away <= reach]
-        top = float(middle.max()) if len(middle) else waist
-        if top > chest or height.max() < chest or height.mean() > waist:
+        top, inner = float(height[away <= reach].max(initial=waist)), reach
+        seam = _round_seam(cloth, corners, k)
+        if seam is not None:
+            top, inner = seam, reach
+        elif height.max() < chest:
+            continue
+        if top > chest or height.mean() > waist:
             continue
         bearing, distance = np.arctan2(away, top - height), np.hypot(away, top - height)
-        out = (away > reach) & (bearing > WIDE)
+        out = (away > inner) & (bearing > WIDE)
         bent = WIDE + (bearing[out] - WIDE) * KEPT_BEYOND
         side = np.sign(corners[own[out], 0])
         corners[own[out], 0] = side * distance[out] * np.sin(bent)
         corners[own[out], 1] = top - distance[out] * np.cos(bent)
+
+
+def _round_seam(cloth: Cloth, corners: np.ndarray, panel: int) -> float | None:
+    """Height of the middle of the seam by which a panel hangs from those over it [cm].
+
+    None where that seam does not go all round.
+    """
+    name, lines = cloth.pattern.panels[panel].name, []
+    for stitch in cloth.pattern.stitches:
+        for own, other in (stitch.sides, stitch.sides[::-1]):
+            if own.panel == name != other.panel:
+                line = corners[cloth.sides[own]]
+                height = corners[cloth.panel == cloth.panel[cloth.sides[other][0]], 1]
+                level = line[:, 1].mean()
+                if height.mean() > level < height.min() + SEAM_DEPTH:
+                    lines.append(line)
+    if not lines:
+        return None
+    x, y, _ = np.concatenate(lines).T
+    # A circle round (u, v): x^2 + y^2 = 2 u x + 2 v y + c.
+    fit = np.linalg.lstsq(np.stack([2 * x, 2 * y, np.ones(len(x))], axis=1), x * x + y * y)[0]
+    bearing = np.arctan2(np.abs(x - fit[0]), fit[1] - y)
+    return float(fit[1]) if bearing.min() < np.pi - ALL_ROUND < ALL_ROUND < bearing.max() else None
 
 
 def _shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
@@ -188,6 +232,15 @@ def _shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> No
         return
     top = max(float(height.max()), crotch + 1.0)
     corners[own, 0] += shift * np.clip((top - height) / (top - crotch), 0.0, 1.0)
+
+
+def _clear_feet(corners: np.ndarray, body: Body) -> None:
+    """Shorten what hangs below the knees until it ends over the feet, on which it then falls."""
+    knee, ankle = (body.landmarks[f"left_{name}_joint"][1] for name in ("knee", "ankle"))
+    lowest = float(corners[:, 1].min())
+    if lowest < ankle + FOOT_ROOM:
+        low = corners[:, 1] < knee
+        corners[low, 1] = knee - (knee - corners[low, 1]) * (knee - ankle - FOOT_ROOM) / (knee - lowest)
 
 
 def _is_inseam(cloth: Cloth, corners: np.ndarray, of: Side, side: int, crotch: float) -> bool:
