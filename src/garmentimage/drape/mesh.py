@@ -41,7 +41,7 @@ LENGTH_LOSS = 0.01
 """Share of a curve's length that its parts may lose."""
 FINER = 4
 """Times that a curve is cut finer at most to keep its length."""
-NARROW_SHARE = 1 / sqrt(3)
+NARROW_SHARE = 0.25
 """Edge length in narrow cloth, in its widths: two rows of equilateral triangles."""
 NARROWEST = 0.5
 """Narrow cloth is no finer than this share of the garment's edge length."""
@@ -96,7 +96,8 @@ def _mesh(pattern: Pattern, length: float) -> Cloth:
     """The garment with one edge length [cm]."""
     parts = _parts(pattern, length)
     for _ in range(TRIES):
-        meshes = [triangulate(_rings(p, parts), length) for p in pattern.panels]
+        rings = [_rings(p, parts) for p in pattern.panels]
+        meshes = [triangulate(r, _part_length(_width(r), length)) for r in rings]
         made = [m for m in meshes if m is not None]
         if len(made) == len(meshes):
             cloth = _sewn(pattern, parts, made)
@@ -137,6 +138,11 @@ def _parts(pattern: Pattern, length: float) -> dict[Side, int]:
             at += first[side]
             own[side] = _part_count(curve, _part_length(width, length))
     return _shared(pattern, own)
+
+
+def _width(rings: Sequence[Float[np.ndarray, "_ 2"]]) -> float:
+    """How wide a panel is for the most part [cm]."""
+    return float(np.median(cloth_widths(rings)))
 
 
 def _part_length(width: float, length: float) -> float:
