@@ -34,8 +34,12 @@ CHEST = 0.7
 """Where the chest is on the way from the waist to the shoulder joints."""
 WIDE, KEPT_BEYOND = np.deg2rad(60.0), 0.15
 """A skirt begins hanging out by this angle at most, and by this share of what is beyond it."""
-ALL_ROUND = np.deg2rad(150.0)
-"""A seam goes all round its middle if it goes to this angle from straight down."""
+HALF_ROUND = np.deg2rad(95.0)
+"""Half of a circle skirt has a seam that goes on to this angle from straight down, or further."""
+STRAIGHT_DOWN = np.deg2rad(30.0)
+"""That seam begins within this angle from straight down."""
+OUT_OF_ROUND = 0.15
+"""Share of its radius by which that seam may leave a circle."""
 SEAM_DEPTH = 8.0
 """A panel over a seam ends no deeper than this below the middle of the seam [cm]."""
 FARTHEST = 40.0
@@ -163,31 +167,32 @@ def _arms_place(
 
 
 def _hang_skirts(cloth: Cloth, corners: np.ndarray, marks: Marks) -> None:
-    """Bend down the sides of skirts that would reach up to the arms, or that go all round."""
+    """Bend down the sides of panels that begin at the waist and would reach up to the arms."""
     reach, waist, chest = marks["left_shoulder_joint"][0], marks["waist_front"][1], _chest(marks)
     for k in range(len(cloth.pattern.panels)):
         own = np.flatnonzero(cloth.panel == k)
-        away, height = np.abs(corners[own, 0]), corners[own, 1]
-        top, inner = float(height[away <= reach].max(initial=waist)), reach
         seam = _round_seam(cloth, corners, k)
         if seam is not None:
-            top, inner = seam, reach
-        elif height.max() < chest:
+            corners[own] = _cone(corners[own], *seam, least=reach)
             continue
-        if top > chest or height.mean() > waist:
+        away, height = np.abs(corners[own, 0]), corners[own, 1]
+        top = float(height[away <= reach].max(initial=waist))
+        if top > chest or height.max() < chest or height.mean() > waist:
             continue
         bearing, distance = np.arctan2(away, top - height), np.hypot(away, top - height)
-        out = (away > inner) & (bearing > WIDE)
+        out = (away > reach) & (bearing > WIDE)
         bent = WIDE + (bearing[out] - WIDE) * KEPT_BEYOND
         side = np.sign(corners[own[out], 0])
         corners[own[out], 0] = side * distance[out] * np.sin(bent)
         corners[own[out], 1] = top - distance[out] * np.cos(bent)
 
 
-def _round_seam(cloth: Cloth, corners: np.ndarray, panel: int) -> float | None:
-    """Height of the middle of the seam by which a panel hangs from those over it [cm].
+def _round_seam(cloth: Cloth, corners: np.ndarray, panel: int) -> tuple[float, float, float] | None:
+    """The seam by which half of a circle skirt hangs from what is over it, if it has one.
 
-    None where that seam does not go all round.
+    Returns:
+        Height of its middle [cm], its radius [cm], and the angle to which it goes on either side
+        from straight down [rad].
     """
     name, lines = cloth.pattern.panels[panel].name, []
     for stitch in cloth.pattern.stitches:
@@ -200,11 +205,44 @@ def _round_seam(cloth: Cloth, corners: np.ndarray, panel: int) -> float | None:
                     lines.append(line)
     if not lines:
         return None
-    x, y, _ = np.concatenate(lines).T
-    # A circle round (u, v): x^2 + y^2 = 2 u x + 2 v y + c.
-    fit = np.linalg.lstsq(np.stack([2 * x, 2 * y, np.ones(len(x))], axis=1), x * x + y * y)[0]
-    bearing = np.arctan2(np.abs(x - fit[0]), fit[1] - y)
-    return float(fit[1]) if bearing.min() < np.pi - ALL_ROUND < ALL_ROUND < bearing.max() else None
+    points = np.concatenate(lines)[:, :2]
+    centre = points.mean(axis=0)
+    x, y = (points - centre).T
+    # A circle round (u, v): x^2 + y^2 = 2 u x + 2 v y + c; v = 0 where the seam is straight.
+    matrix = np.stack([2 * x, 2 * y, np.ones(len(x))], axis=1)
+    (u, v, c), *_ = np.linalg.lstsq(matrix, x * x + y * y)
+    radius = float(np.sqrt(c + u * u + v * v))
+    off = np.abs(np.hypot(x - u, y - v) - radius).max() / radius
+    bearing = np.arctan2(x - u, v - y)
+    least, most = float(min(-bearing.min(), bearing.max())), float(np.abs(bearing).max())
+    hangs = least > HALF_ROUND and np.abs(bearing).min() < STRAIGHT_DOWN
+    if not hangs or off > OUT_OF_ROUND or abs(centre[0] + u) > radius / 2:
+        return None
+    return float(centre[1] + v), radius, most
+
+
+def _cone(points: np.ndarray, middle: float, radius: float, end: float, *, least: float) -> np.ndarray:
+    """Half of a circle skirt laid round the body, its sides where the wearer's are [cm].
+
+    Args:
+        points: the flat half in front of the body or behind it.
+        middle, radius, end: of the seam by which it hangs.
+        least: least radius of that seam round the body [cm].
+    """
+    x, down = points[:, 0], middle - points[:, 1]
+    round_body = np.clip(np.arctan2(x, down) / end, -1.0, 1.0) * np.pi / 2
+    along = np.hypot(x, down) - radius
+    slope = min(np.arcsin(min(2 * end / np.pi, 1.0)), WIDE)
+    out = max(radius * 2 * end / np.pi, least) + along * np.sin(slope)
+    side = np.sign(points[:, 2].mean())
+    return np.stack(
+        [
+            out * np.sin(round_body),
+            middle - radius - along * np.cos(slope),
+            side * out * np.cos(round_body),
+        ],
+        axis=1,
+    )
 
 
 def _shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
