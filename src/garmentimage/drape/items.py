@@ -20,8 +20,9 @@ from garmentimage.body.body import Body
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.openings import bones, openings, turns
 
-SHOULDER_SHARE = 0.785
-"""Height of the shoulders as a share of the stature, where a body has no landmark for them."""
+SHOULDER_SHARE, BREADTH_SHARE = 0.785, 0.1
+"""Height of the shoulders and half their breadth as shares of the stature, where a body has no
+landmark for them."""
 
 BELT = 6.0
 """Only what lies less than this below the top of an opening is held [cm]."""
@@ -38,6 +39,8 @@ class Item:
     vertices: Int[np.ndarray, " n"]
     held: Int[np.ndarray, " m"]
     """Vertices that keep their height; none where the item hangs."""
+    resting: Int[np.ndarray, " k"]
+    """Vertices of an item that hangs that begin over the shoulders."""
 
 
 def items(
@@ -68,13 +71,17 @@ def items(
         held = _NONE if _hangs(own, start, body) else _held(own, start)
         found.append((bool(len(held)) == tucked, len(own), k, held))
     found.sort(key=lambda item: item[:3])
-    return tuple(Item(np.flatnonzero(label == k), held) for _, _, k, held in found)
+    over = _over_shoulders(start, body)
+    return tuple(
+        Item(np.flatnonzero(label == k), held, _NONE if len(held) else over[label[over] == k])
+        for _, _, k, held in found
+    )
 
 
 _NONE = np.zeros(0, np.int64)
 
 
-def shoulder_height(body: Body) -> float:
+def _shoulder_height(body: Body) -> float:
     """Height of the shoulder joints [cm]."""
     joint = body.landmarks.get("left_shoulder_joint")
     if joint is not None:
@@ -86,7 +93,7 @@ def _hangs(faces: np.ndarray, start: np.ndarray, body: Body) -> bool:
     """Whether an opening goes round arms alone, neither the head nor the legs."""
     lines = bones(body)
     if lines is None:
-        return bool(start[faces, 1].max() >= shoulder_height(body))
+        return bool(start[faces, 1].max() >= _shoulder_height(body))
     found = [turns(start[line], lines) for line in openings(faces)]
     return any(any(t[:ARMS]) and not any(t[ARMS:]) for t in found)
 
@@ -98,3 +105,14 @@ def _held(faces: np.ndarray, start: np.ndarray) -> Int[np.ndarray, " m"]:
     top = max(lines, key=lambda line: float(start[line, 1].mean()))
     heights = start[top, 1]
     return np.unique(top[heights > heights.max() - BELT])
+
+
+def _over_shoulders(start: np.ndarray, body: Body) -> Int[np.ndarray, " n"]:
+    """Vertices over the shoulders, beside the neck."""
+    joint = body.landmarks.get("left_shoulder_joint")
+    reach = BREADTH_SHARE * np.ptp(body.vertices[:, 1]) if joint is None else abs(joint[0])
+    neck = body.landmarks.get("left_neck_point")
+    inner = 0.0 if neck is None else abs(neck[0])
+    aside = np.abs(start[:, 0])
+    over = (start[:, 1] > _shoulder_height(body)) & (aside < reach) & (aside > inner)
+    return np.flatnonzero(over)

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 from garmentimage.body.body import Body
 from garmentimage.drape.crossings import crossing_count
 from garmentimage.drape.field import body_field
-from garmentimage.drape.items import Item, shoulder_height
+from garmentimage.drape.items import Item
 from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.rest import Rest, strain
 from garmentimage.drape.solver import Motion
@@ -23,8 +23,6 @@ MOST_SLID = 3.0
 """A garment may lie this far from where it is worn [cm]."""
 RESTING = 25
 """So many percent of the cloth over the shoulders should rest on them; a hood's does not all."""
-SHOULDER_SHARE = 0.1
-"""Half the breadth of the shoulders as a share of the stature, where no landmark tells it."""
 
 
 def judge(
@@ -54,7 +52,7 @@ def judge(
     above = body_field(body).at(points)
     penetration = max(0.0, -float(above.min()))
     stretch = _most_strain(rest, points)
-    slid = _slid(start, points, above, body, items)
+    slid = _slid(start, points, above, items)
     return DrapeReport(
         settled=settled,
         frames=frames,
@@ -89,7 +87,6 @@ def _slid(
     start: np.ndarray,
     points: np.ndarray,
     above: np.ndarray,
-    body: Body,
     items: tuple[Item, ...],
 ) -> Mapping[str, float]:
     """How far each item lies from where it is worn, the worst of each kind [cm].
@@ -103,7 +100,7 @@ def _slid(
             name, where = "waist", item.held
             off = abs(float((points - start)[where, 1].mean()))
         else:
-            name, where = "shoulders", item.vertices[_over_shoulders(start[item.vertices], body)]
+            name, where = "shoulders", item.resting
             if not len(where):
                 continue
             off = float(np.percentile(above[where], RESTING))
@@ -118,16 +115,6 @@ def _aside(before: Float[np.ndarray, " n"], after: Float[np.ndarray, " n"]) -> f
         return 0.0
     moved = after - before
     return abs(float(moved[left].mean() + moved[right].mean())) / 2
-
-
-def _over_shoulders(start: np.ndarray, body: Body) -> Int[np.ndarray, " n"]:
-    joint = body.landmarks.get("left_shoulder_joint")
-    reach = SHOULDER_SHARE * np.ptp(body.vertices[:, 1]) if joint is None else abs(joint[0])
-    neck = body.landmarks.get("left_neck_point")
-    inner = 0.0 if neck is None else abs(neck[0])
-    aside = np.abs(start[:, 0])
-    over = (start[:, 1] > shoulder_height(body)) & (aside < reach) & (aside > inner)
-    return np.flatnonzero(over)
 
 
 def _motion_faults(

@@ -55,7 +55,7 @@ class Settings:
     frames: int = 300
     """Greatest number of frames, each a sixtieth of a second."""
     gather_frames: int = 15
-    """First frames, without gravity and friction, in which seams close."""
+    """First frames, without gravity and almost without friction, in which seams close."""
     gather_damping: float = 20.0
     """Share of the speed lost while gathering [1/s]."""
     top_speed: float = 300.0
@@ -94,6 +94,7 @@ def solve(
     fabric: Fabric,
     *,
     attachment: Attachment | None = None,
+    resting: Int[np.ndarray, " k"] | None = None,
     settings: Settings | None = None,
 ) -> Motion:
     """Let cloth come to rest.
@@ -107,6 +108,7 @@ def solve(
         field: the body.
         fabric: what the cloth is made of.
         attachment: vertices held in place.
+        resting: vertices that rub on the body from the start, not only once seams have closed.
         settings: how long to simulate, and how.
 
     Returns:
@@ -126,6 +128,8 @@ def solve(
     inertia = np.maximum(weight, step**2 * stable)
 
     points = np.array(start, dtype=float, order="C")
+    rubs = np.zeros(count, bool)
+    rubs[[] if resting is None else resting] = True
     speeds = np.zeros(settings.frames)
     frames, settled = simulate(
         points,
@@ -134,6 +138,7 @@ def solve(
         (bending.indptr, bending.indices, bending.data),
         (1.0 / inertia, weight / inertia),
         _held(attachment, inertia, step),
+        rubs,
         (field.values, field.origin, 1.0 / field.cell),
         (fabric.thickness, fabric.friction, fabric.damping),
         (settings.gather_frames, settings.least_frames, substeps, refresh),

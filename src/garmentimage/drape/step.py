@@ -26,7 +26,7 @@ SHORTEST = 1e-9
 
 
 @njit(cache=True)
-def simulate(points, speeds, springs, bending, masses, held, field, cloth, counts, rates):
+def simulate(points, speeds, springs, bending, masses, held, rubs, field, cloth, counts, rates):
     """Move `points` until at rest; returns the frames taken and whether rest was reached."""
     ends, lengths, stiffness = springs
     lightness, weight_share = masses
@@ -49,7 +49,6 @@ def simulate(points, speeds, springs, bending, masses, held, field, cloth, count
         gathering = frame < gather_frames
         keep = np.exp(-(gather_damping if gathering else damping) * step)
         fall = 0.0 if gathering else -gravity * step * step
-        grip = 0.0 if gathering else friction
         for substep in range(substeps):
             if substep % refresh == 0:
                 _look_ahead(points, moved, BEND_LOOK_AHEAD * refresh, ahead)
@@ -65,7 +64,7 @@ def simulate(points, speeds, springs, bending, masses, held, field, cloth, count
                 z = moved[i, 2] * keep + force[i, 2] * pace
                 _advance(points, moved, i, x, y, z, top_speed * step)
             _hold(points, moved, held)
-            _collide(points, moved, planes, grip, push_speed * step)
+            _collide(points, moved, planes, friction, rubs, gathering, push_speed * step)
         speeds[frame] = _mean_distance(points, before) / FRAME
         if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
             return frame + 1, True
@@ -165,7 +164,7 @@ def _hold(points, moved, held):
 
 
 @njit(cache=True)
-def _collide(points, moved, planes, friction, most):
+def _collide(points, moved, planes, friction, rubs, gathering, most):
     """Put vertices outside the body, with friction, and stop their motion along its normal.
 
     A push out of the body is not a motion: it leaves no speed behind.
@@ -181,7 +180,8 @@ def _collide(points, moved, planes, friction, most):
         slip_y = moved[i, 1] - along * y
         slip_z = moved[i, 2] - along * z
         slip = np.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
-        kept = max(0.0, 1.0 - friction * push / (slip + SHORTEST))
+        grip = friction if rubs[i] or not gathering else 0.0
+        kept = max(0.0, 1.0 - grip * push / (slip + SHORTEST))
         moved[i, 0], moved[i, 1], moved[i, 2] = slip_x * kept, slip_y * kept, slip_z * kept
         points[i, 0] += push * x - slip_x * (1.0 - kept)
         points[i, 1] += push * y - slip_y * (1.0 - kept)

@@ -75,6 +75,7 @@ def drape(
             field,
             fabric,
             attachment=_belt(item, start),
+            resting=np.searchsorted(item.vertices, item.resting),
             settings=settings,
         )
         points[item.vertices] = motion.points
