@@ -65,7 +65,7 @@ BODIES = {
     "short-round-female": Shape(1, 0.308, 0.998, 0.789, 0.992, 0.514, 0.273),
     "tall-slim-male": Shape(0, 0.482, 0.003, -0.446, -0.307, -0.484, 0.167),
     "short-round-male": Shape(0, 0.276, 0.977, 0.687, 0.866, 0.352, -0.061),
-    "slim-female": Shape(1, 0.406, 0.092, -0.179, -0.291, -0.191, 0.423),
+    "slim-female": Shape(1, 0.405, 0.0, -0.39, -0.58, -0.43, 0.45),
 }
 """The shipped bodies. Stature, bust, waist, hip and arm were fitted by least squares: to 166, 90,
 74, 99, 54.5 cm for the mean woman, to 177, 100, 87, 100, 60 cm for the mean man, and for the others

@@ -246,26 +246,32 @@ def _cone(points: np.ndarray, middle: float, radius: float, end: float, *, least
 
 
 def _shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
-    """Shift the trouser leg of one side (1: left) sideways until it follows the leg."""
+    """Shift the trouser leg of one side (1: left) sideways until it follows the leg.
+
+    The inseams of wide legs go no further than to the middle: the other leg is beyond it.
+    """
     hip, ankle = (_of_side(marks, f"left_{n}_joint", side) for n in ("hip", "ankle"))
     crotch = float(marks["crotch"][1])
-    panels = {
-        s.panel
+    inseams = [
+        s
         for stitch in cloth.pattern.stitches
         if all(_is_inseam(cloth, corners, s, side, crotch) for s in stitch.sides)
         and _faces_front(cloth, stitch.a) != _faces_front(cloth, stitch.b)
         for s in stitch.sides
-    }
+    ]
+    panels = {s.panel for s in inseams}
     numbers = [k for k, p in enumerate(cloth.pattern.panels) if p.name in panels]
     own = np.isin(cloth.panel, numbers) & (side * corners[:, 0] > 0)
     leg = own & (corners[:, 1] < crotch)
     if leg.sum() < 3 or np.ptp(corners[leg, 1]) < 1.0:
         return
     slope, offset = np.polyfit(corners[leg, 1], corners[leg, 0], 1)
+    inner = np.polyfit(*corners[np.concatenate([cloth.sides[s] for s in inseams])][:, [1, 0]].T, 1)
     slope_of_leg = (ankle[0] - hip[0]) / (ankle[1] - hip[1])
     height = corners[own, 1]
     low = np.minimum(height, crotch)
     shift = hip[0] + slope_of_leg * (low - hip[1]) - (offset + slope * low)
+    shift = side * np.maximum(side * shift, -np.maximum(side * np.polyval(inner, low), 0.0))
     if np.abs(shift).max() > FARTHEST:
         return
     top = max(float(height.max()), crotch + 1.0)
