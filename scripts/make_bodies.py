@@ -65,12 +65,12 @@ BODIES = {
     "short-round-female": Shape(1, 0.308, 0.998, 0.789, 0.992, 0.514, 0.273),
     "tall-slim-male": Shape(0, 0.482, 0.003, -0.446, -0.307, -0.484, 0.167),
     "short-round-male": Shape(0, 0.276, 0.977, 0.687, 0.866, 0.352, -0.061),
-    "slim-female": Shape(1, 0.405, 0.0, -0.39, -0.58, -0.43, 0.45),
+    "slim-female": Shape(1, 0.405, 0.02, -0.36, -0.64, -0.46, 0.45),
 }
 """The shipped bodies. Stature, bust, waist, hip and arm were fitted by least squares: to 166, 90,
 74, 99, 54.5 cm for the mean woman, to 177, 100, 87, 100, 60 cm for the mean man, and for the others
 to figures well away from these in height and girth. The slim woman, as tall as the mean one, has
-82, 62.5, 88 and 54.5 cm, about size 34 in Europe: she fits Korosteleva's 2021 patterns better."""
+79, 58.5, 85 and 54 cm, about size 32 in Europe: she fits Korosteleva's 2021 patterns better."""
 MIDDLE, WAIST_BAND = 0.5, 2.0
 """Skin this near to the middle and to the waist level says how deep the waist is [cm]."""
 LEG_ANGLE = np.deg2rad(8)
