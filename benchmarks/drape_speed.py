@@ -34,6 +34,7 @@ from provenance import provenance  # noqa: E402
 
 from garmentimage.body.body import Body, load_body  # noqa: E402
 from garmentimage.body.measurements import measurements  # noqa: E402
+from garmentimage.body.stance import stand_straight  # noqa: E402
 from garmentimage.draft.kinds import KINDS  # noqa: E402
 from garmentimage.draft.sample import drafted  # noqa: E402
 from garmentimage.drape import wear  # noqa: E402
@@ -224,7 +225,7 @@ def adapter(path: Path) -> Adapter:
 def other_step(
     other: Adapter, pattern: Pattern, folder: Path, vertices: int
 ) -> Callable[[], dict[str, float]]:
-    body = load_body(BODY)
+    body = stand_straight(load_body(BODY))
     path = folder / f"{pattern.name}.json"
     save_pattern(standing(pattern, body)[0], path)
 

@@ -20,6 +20,7 @@ import numpy as np
 import warp as wp
 
 from garmentimage.body.body import Body, load_body
+from garmentimage.body.stance import stand_straight
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.field import body_field
@@ -76,7 +77,7 @@ def newton_drape(
 ) -> Outcome:
     """Drape a garment that hangs from the shoulders with one of newton's solvers."""
     wp.config.log_level = wp.LOG_ERROR
-    body = load_body(body_name)
+    body = stand_straight(load_body(body_name))
     cloth = mesh(standing(pattern, body)[0], vertices=vertices)
     with wp.ScopedDevice("cpu"):
         began = process_time()

@@ -125,6 +125,7 @@ def test_the_order_and_the_names_of_panels_do_not_matter(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["skirt", "tank", "trousers", "one-panel-dress", "cutout_top"])
 def test_half_the_mesh_size_moves_the_silhouette_by_less_than_a_hundredth(name):
+    """Of garments that hang without buckling; benchmarks/mesh_size.py has the others, too."""
     coarse, fine = (silhouette(worn(name, count)).sum() for count in (2000, 8000))
     assert abs(fine / coarse - 1) < 0.01
 
@@ -185,6 +186,12 @@ def test_a_top_lies_outside_of_the_skirt_and_tucked_in_it_lies_inside(tucked):
     over = gap < NEAR
     assert over.sum() > 20
     assert np.mean(field.at(outer[over]) > field.at(inner[nearest[over]])) > 0.9
+
+
+@pytest.mark.parametrize("bottom", ["skirt", "pants"])
+@pytest.mark.parametrize("top", ["tee", "tank"])
+def test_a_loose_top_is_worn_tucked_in_without_fault(top, bottom):
+    check_worn(drape(together(draft(top), draft(bottom)), vertices=2000, tucked=True))
 
 
 def cloth_of(found, prefix: str) -> np.ndarray:

@@ -47,6 +47,28 @@ def test_a_tube_has_two_openings_and_a_closed_surface_none():
     assert openings(ball) == []
 
 
+def test_openings_are_closed_where_panels_are_sewn_on_wrong_side_up():
+    faces, first, last = tube()
+    mixed = faces.copy()
+    mixed[5:30] = mixed[5:30, ::-1]
+    found = openings(mixed)
+    assert sorted(sorted(line.tolist()) for line in found) == [
+        sorted(first.tolist()),
+        sorted(last.tolist()),
+    ]
+    places = tube_places()
+    lines = {name: np.array([[-50.0, 0, 0], [50, 0, 0]]) for name in BONES}
+    lines["head"] = lines["head"] + [0, 100, 0]
+    assert sum(np.array(turns(places[line], lines)) for line in found).tolist() == [0, 0, 0, 0]
+
+
+def tube_places(rows=5, columns=8):
+    """Where the vertices of `tube` lie, round the x axis."""
+    angle = 2 * np.pi * np.arange(columns) / columns
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.array([(x, *yz) for x in range(rows) for yz in ring], float)
+
+
 def test_neighbours_in_an_opening_are_joined_by_an_edge_of_the_cloth():
     faces, _, _ = tube()
     edges = {frozenset(e) for f in faces.tolist() for e in zip(f, f[1:] + f[:1])}

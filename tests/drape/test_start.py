@@ -8,13 +8,17 @@ import pytest
 from garmentimage import draft_pattern, load_pattern
 from garmentimage.body.body import POSES, load_body
 from garmentimage.body.measurements import presets
+from garmentimage.drape.field import body_field
 from garmentimage.drape.items import items
 from garmentimage.drape.mesh import mesh
 from garmentimage.drape.openings import BONES, bones, openings, turns
 from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
+from garmentimage.drape.wear import check_worn, drape
+from garmentimage.errors import GarmentImageError
 from garmentimage.examples import example_path
-from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
+from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side, Stitch
+from tests.corpus import corpus_sample
 
 LIMBS = tuple(BONES)[1:]
 FEW = 600
@@ -117,3 +121,94 @@ def test_panels_of_a_wide_skirt_are_no_sleeves():
         starts.append((corners[own].min(axis=0), corners[own].max(axis=0)))
     np.testing.assert_allclose(starts[0], starts[1], atol=1.0)
     assert limbs_inside(beside, body) >= {"left arm", "right arm"}
+
+
+def wide_front() -> Pattern:
+    """A tee with the wide half of a jacket's front on its left, which no back belongs to."""
+    tee = draft_pattern("tee")
+    corners = ((0.0, 0.0), (40.0, 0.0), (40.0, 50.0), (0.0, 50.0))
+    square = Loop(corners, tuple(Edge(k, (k + 1) % 4) for k in range(4)))
+    front = Panel("wide_front", square, translation=(6.0, 85.0, 16.0))
+    stitch = Stitch(Side("wide_front", 0), Side("front", 5))
+    return replace(tee, panels=(*tee.panels, front), stitches=(*tee.stitches, stitch))
+
+
+def test_the_wide_half_of_a_front_is_no_sleeve():
+    body = load_body("mean-female")
+    assert limbs_inside(wide_front(), body) >= {"left arm", "right arm"}
+    cloth = mesh(standing(wide_front(), body)[0], vertices=FEW)
+    panels = cloth.pattern.panels
+    k = next(k for k, p in enumerate(panels) if p.name == "wide_front")
+    free = (cloth.panel == k) & (np.bincount(cloth.vertex)[cloth.vertex] == 1)
+    places = panels[k].to_world(cloth.flat[free])
+    np.testing.assert_allclose(start_points(cloth, body)[cloth.vertex[free]], places)
+
+
+def circle_skirt(half: float) -> Pattern:
+    """A skirt of two round halves, each cut out to an angle on either side of straight down."""
+    skirt = draft_pattern("skirt")
+    bands = tuple(p for p in skirt.panels if "waistband" in p.name)
+    radius = bands[0].curves[0].length / (2 * half)
+    ends = [(r * np.sin(a), -r * np.cos(a)) for r in (radius, radius + 40) for a in (-half, half)]
+    large = half > np.pi / 2
+    edges = (
+        Edge(0, 1, Circle(radius, large, True)),
+        Edge(1, 3),
+        Edge(3, 2, Circle(radius + 40, large, False)),
+        Edge(2, 0),
+    )
+    outline = Loop(tuple((float(x), float(y)) for x, y in ends), edges)
+    halves = tuple(
+        Panel(f"half_{side}", outline, translation=(0.0, 104.0 + radius, z))
+        for side, z in (("front", 14.0), ("back", -14.0))
+    )
+    stitches = (
+        Stitch(Side("half_front", 1), Side("half_back", 1), True),
+        Stitch(Side("half_front", 3), Side("half_back", 3), True),
+        Stitch(Side("half_front", 0), Side("waistband_front", 0), True),
+        Stitch(Side("half_back", 0), Side("waistband_back", 0), False),
+    )
+    band = tuple(s for s in skirt.stitches if "skirt" not in s.a.panel + s.b.panel)
+    return Pattern((*bands, *halves), (*stitches, *band))
+
+
+@pytest.mark.parametrize("degrees", [100, 135, 170])
+def test_circle_skirts_begin_round_the_body_and_are_worn_without_fault(degrees):
+    body = load_body("mean-female")
+    pattern = circle_skirt(np.deg2rad(degrees))
+    cloth = mesh(standing(pattern, body)[0], vertices=FEW)
+    start = start_points(cloth, body)
+    skirt = np.unique(cloth.vertex[cloth.panel >= 2])
+    sides = np.abs(start[skirt, 2]) < 1.0
+    assert body_field(body).at(start[skirt]).min() > 0
+    assert np.abs(start[skirt][sides, 0]).min() > 10
+    check_worn(drape(pattern, body))
+
+
+@pytest.mark.parametrize("kind", ["pants", "skirt"])
+def test_hems_begin_over_the_feet(kind):
+    body = load_body("short-round-female")
+    pattern = draft_pattern(kind, "tall-slim-male")
+    panels = tuple(
+        replace(p, outline=stretched(p.outline, 1.5)) if "band" not in p.name else p
+        for p in pattern.panels
+    )
+    cloth = mesh(standing(replace(pattern, panels=panels), body)[0], vertices=FEW)
+    assert start_points(cloth, body)[:, 1].min() > body.landmarks["left_ankle_joint"][1]
+
+
+def stretched(loop: Loop, factor: float) -> Loop:
+    return replace(loop, vertices=tuple((x, y * factor) for x, y in loop.vertices))
+
+
+@pytest.mark.corpus
+def test_most_patterns_by_others_are_worn_without_fault():
+    faults = {}
+    sample = corpus_sample(60)
+    for path in sample:
+        try:
+            faults[path.stem] = drape(load_pattern(path), "slim-female").report.faults
+        except GarmentImageError as error:
+            faults[path.stem] = (str(error),)
+    bad = {name: found for name, found in faults.items() if found}
+    assert len(bad) <= len(sample) // 8, bad

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from garmentimage.body.body import Body
 from garmentimage.drape.crossings import crossing_count

@@ -60,7 +60,7 @@ NEAR_AXIS = 8.0
 MIDDLE = 3.0
 """Points no further than this from the one nearest to the middle [cm] are in the middle."""
 FACING_UP = 0.5
-"""Least upward part of the unit direction in which an edge faces out of its panel."""
+"""Least upward part of the unit direction in which the middle of an edge faces out of its panel."""
 LEVEL_STEP = 1.0
 """Distance between the levels at which the body is measured below the waist [cm]."""
 SHARES = np.linspace(0, 1, 9)
@@ -224,7 +224,11 @@ def _piece(panel: Panel) -> _Piece:
     outline, matrix, area = panel.outline, panel.matrix, panel.outline.area
     flat = np.concatenate([curve.at(SHARES) for curve in outline.curves])
     points = (flat @ matrix[:, :2].T + panel.translation).reshape(len(outline.edges), -1, 3)
-    along = np.array([np.subtract(c.end, c.start) for c in outline.curves])
+    middle = len(SHARES) // 2
+    along = (
+        flat.reshape(len(points), -1, 2)[:, middle + 1]
+        - flat.reshape(len(points), -1, 2)[:, middle - 1]
+    )
     # The outer side of an edge is on its right where the loop runs counter-clockwise.
     up = (along[:, 1] * matrix[1, 0] - along[:, 0] * matrix[1, 1]) * np.sign(area)
     faces_up = up > FACING_UP * np.hypot(along[:, 0], along[:, 1])
@@ -301,7 +305,7 @@ def _shoulder_seams(pattern: Pattern, pieces: _Pieces, top: float) -> list[Point
         if len(sides) < 2 or not all(edge.faces_up for edge in sides):
             continue
         points = np.concatenate([edge.points for edge in sides])
-        if points[:, 1].mean() > WAIST_LIMIT and np.abs(points[:, 0]).max() < reach:
+        if points[:, 1].min() > WAIST_LIMIT and np.abs(points[:, 0]).max() < reach:
             found.append(points)
     highest = max((float(points[:, 1].max()) for points in found), default=0.0)
     return [points for points in found if points[:, 1].max() > highest - TOP_BAND]

@@ -15,6 +15,7 @@ from garmentimage.drape.rest import rest_of
 from garmentimage.drape.solver import Attachment, Settings, solve
 from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
+from garmentimage.drape.tuck import tucked_in
 from garmentimage.drape.worn import Worn
 from garmentimage.errors import DrapeError
 from garmentimage.pattern.model import Pattern
@@ -67,8 +68,11 @@ def drape(
     points, motions = start.copy(), []
     field: DistanceField = body_field(body)
     worn_items = items(cloth, start, body, tucked=tucked)
+    band = max((float(start[i.held, 1].mean()) for i in worn_items if len(i.held)), default=None)
     for item in worn_items:
         part = rest.part(item.vertices)
+        if tucked and band is not None and not len(item.held):
+            part = tucked_in(part, start[item.vertices], body, band)
         motion = solve(
             part,
             start[item.vertices],
