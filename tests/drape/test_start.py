@@ -144,6 +144,43 @@ def test_the_wide_half_of_a_front_is_no_sleeve():
     np.testing.assert_allclose(start_points(cloth, body)[cloth.vertex[free]], places)
 
 
+def collared() -> Pattern:
+    """A tee with a stand-up collar of four level strips."""
+    tee = draft_pattern("tee")
+    strips, stitches = [], []
+    for name, edge, z in (
+        ("front", 0, 14.0),
+        ("front", 10, 14.0),
+        ("back", 0, -14.0),
+        ("back", 10, -14.0),
+    ):
+        panel = tee.by_name[name]
+        middle = panel.to_world(panel.curves[edge].sample(2))[1, 0]
+        long = float(np.sign(middle)) * panel.curves[edge].length
+        corners = ((0.0, 0.0), (long, 0.0), (long, 5.0), (0.0, 5.0))
+        outline = Loop(corners, tuple(Edge(k, (k + 1) % 4) for k in range(4)))
+        strip = Panel(f"collar_{name}_{edge}", outline, translation=(0.0, 147.0, z))
+        strips.append(strip)
+        stitches.append(Stitch(Side(strip.name, 0), Side(name, edge), edge == 0))
+    for a, b in ((0, 1), (2, 3)):
+        stitches.append(Stitch(Side(strips[a].name, 3), Side(strips[b].name, 3), True))
+    return replace(tee, panels=(*tee.panels, *strips), stitches=(*tee.stitches, *stitches))
+
+
+def test_a_collar_begins_as_a_ring_round_the_neck():
+    body = load_body("mean-female")
+    cloth = mesh(standing(collared(), body)[0], vertices=FEW)
+    start = start_points(cloth, body)
+    uppers = [
+        line for side, line in cloth.sides.items() if "collar" in side.panel and side.edge == 2
+    ]
+    ring = start[cloth.vertex[np.concatenate([line[1:-1] for line in uppers])]]
+    out = np.hypot(ring[:, 0], ring[:, 2] - body.landmarks["neck_joint"][2])
+    assert np.ptp(out) < 1.0
+    assert body_field(body).at(ring).min() > 0
+    assert ring[:, 2].min() < body.landmarks["cervical"][2] and ring[:, 2].max() > 5.0
+
+
 def circle_skirt(half: float) -> Pattern:
     """A skirt of two round halves, each cut out to an angle on either side of straight down."""
     skirt = draft_pattern("skirt")

@@ -3,7 +3,8 @@
 Patterns are drawn for bodies that hold their arms and legs otherwise than ours: arms stretched out
 or 45 degrees down, legs 20 degrees apart or together. A limb that begins outside of its sleeve or
 trouser leg would stay outside. So before the panels are sewn, sleeves are laid along the arms
-(`sleeves`), wide skirts hung (`skirts`), and trousers laid along the legs (`legs`).
+(`sleeves`), collars round the neck (`collars`), wide skirts hung (`skirts`), and trousers laid
+along the legs (`legs`).
 
 This moves where the cloth begins, not what it is: at rest it is as long as the flat panels are.
 """
@@ -13,6 +14,7 @@ from jaxtyping import Float
 
 from garmentimage.body.body import Body
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.collars import lay_collar
 from garmentimage.drape.legs import clear_feet, shift_leg
 from garmentimage.drape.skirts import hang_skirts
 from garmentimage.drape.sleeves import lay_sleeve
@@ -29,6 +31,8 @@ def start_points(cloth: Cloth, body: Body) -> Float[np.ndarray, "vertex 3"]:
         for side in (1, -1):
             lay_sleeve(cloth, corners, marks, side)
         hang_skirts(cloth, corners, marks)
+    if {"left_neck_point", "neck_joint"} <= marks.keys():
+        lay_collar(cloth, corners, marks)
     if {"left_knee_joint", "left_ankle_joint"} <= marks.keys():
         clear_feet(corners, body)
     if {"left_hip_joint", "left_ankle_joint", "crotch"} <= marks.keys():
