@@ -70,7 +70,8 @@ def run(task: Task) -> dict[str, Any]:
         picture(surfaces, body_camera(worn.body), size=PICTURE)
         row["picture_s"] = time.process_time() - start
     except GarmentImageError as error:
-        return {**row, "faults": [f"{type(error).__name__}: {error}"]}
+        sentence = f"{type(error).__name__}: {error}".replace(str(task.source), task.name)
+        return {**row, "faults": [sentence]}
     row |= asdict(worn.report)
     if task.keep_picture:
         cameras = [body_camera(worn.body, view) for view in SHEET_VIEWS]

@@ -133,8 +133,9 @@ def test_the_examples_of_draping_run_as_written(tmp_path, monkeypatch):
     (commands,) = blocks(DRAPE, "sh")
     for line in commands.splitlines():
         assert main(shlex.split(line)[1:]) == 0, line
-    (code,) = blocks(DRAPE, "python")
-    exec(code, {})
+    names: dict[str, object] = {}
+    for code in blocks(DRAPE, "python"):
+        exec(code, names)
 
 
 def test_the_fabrics_table_says_what_the_fabrics_are():

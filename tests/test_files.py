@@ -8,7 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from garmentimage.errors import OutputError
-from garmentimage.files import FILE_NAME_BYTES, RESERVED_NAMES, safe_name, write_atomically
+from garmentimage.files import (
+    FILE_NAME_BYTES,
+    RESERVED_NAMES,
+    check_output,
+    safe_name,
+    write_atomically,
+    write_together,
+)
 
 any_text = st.text(st.characters(), max_size=300)
 
@@ -85,3 +92,21 @@ def test_a_name_that_is_a_path_stays_in_its_folder(name, tmp_path):
     assert path.parent == tmp_path
     path.touch()
     assert [p for p in tmp_path.iterdir()] == [path]
+
+
+def test_files_written_together_are_all_written_or_none(tmp_path):
+    (tmp_path / "old.txt").write_text("old")
+    results = {tmp_path / "old.txt": "new", tmp_path / "nowhere" / "b.txt": "b"}
+    with pytest.raises(OutputError, match=r"b\.txt: there is no folder"):
+        write_together(results)
+    assert (tmp_path / "old.txt").read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["old.txt"]
+    write_together({tmp_path / "old.txt": "new", tmp_path / "b.txt": b"b"})
+    assert (tmp_path / "old.txt").read_text() == "new"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.txt", "old.txt"]
+
+
+def test_an_output_that_is_another_by_a_longer_way_is_refused(tmp_path):
+    (tmp_path / "sub").mkdir()
+    with pytest.raises(OutputError, match="another output"):
+        check_output(tmp_path / "sub" / ".." / "a.png", (".png",), [tmp_path / "a.png"])

@@ -39,7 +39,9 @@ if TYPE_CHECKING:
     from garmentimage.draft.sample import sample
     from garmentimage.draft.template import Template
     from garmentimage.drape.export import save_worn
+    from garmentimage.drape.fabric import Fabric
     from garmentimage.drape.glb import load_worn
+    from garmentimage.drape.outfit import outfit
     from garmentimage.drape.wear import check_worn
     from garmentimage.drape.wear import drape as drape_pattern
     from garmentimage.drape.worn import Worn
@@ -80,6 +82,8 @@ _WHERE = {
     "Worn": "garmentimage.drape.worn",
     "drape_pattern": "garmentimage.drape.wear:drape",
     "check_worn": "garmentimage.drape.wear",
+    "Fabric": "garmentimage.drape.fabric",
+    "outfit": "garmentimage.drape.outfit",
     "save_worn": "garmentimage.drape.export",
     "load_worn": "garmentimage.drape.glb",
     "Look": "garmentimage.render.look",
@@ -96,6 +100,7 @@ __all__ = [
     "DrapeError",
     "EdgeType",
     "EncodeError",
+    "Fabric",
     "GarmentImage",
     "GarmentImageError",
     "ImageError",
@@ -120,6 +125,7 @@ __all__ = [
     "load_pattern",
     "load_worn",
     "measurements",
+    "outfit",
     "photograph",
     "repair",
     "sample",

@@ -6,8 +6,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from garmentimage.errors import DraftError, quoted
-from garmentimage.files import check_output, shown_path, write_atomically
+from garmentimage.errors import DraftError, DrapeError, quoted
+from garmentimage.files import check_output, shown_path, write_together
 from garmentimage.terminal import (
     Exit,
     errors_about,
@@ -59,9 +59,10 @@ def run_drape(options: argparse.Namespace) -> Exit:
     """Drape a garment and write it, and a picture of it."""
     from garmentimage.drape.export import WORN_FORMATS, worn_bytes
 
-    check_output(options.out, WORN_FORMATS, options.files)
+    inputs = [*options.files, *body_file(options)]
+    check_output(options.out, WORN_FORMATS, inputs)
     if options.image:
-        check_output(options.image, (".png",), [*options.files, options.out])
+        check_output(options.image, (".png",), [*inputs, options.out])
     worn = worn_from(options)
     results = {options.out: worn_bytes(worn, options.out.suffix)}
     if options.image:
@@ -70,8 +71,7 @@ def run_drape(options: argparse.Namespace) -> Exit:
 
         views = photograph(worn, view=options.view, size=options.size)
         results[options.image] = png_bytes(views.colour)
-    for path, data in results.items():
-        write_atomically(path, data)
+    write_together(results)
     if options.json:
         print_json({"out": str(options.out), "image": _text(options.image), **worn_facts(worn)})
     else:
@@ -165,8 +165,8 @@ def worn_from(options: argparse.Namespace) -> "Worn":
     from garmentimage.drape.outfit import outfit
     from garmentimage.drape.wear import drape
 
-    fabric = load_fabric(options.fabric or FABRIC)
-    body = _body(options.body or BODY, options.pose)
+    fabric = load_fabric(_or(options.fabric, FABRIC))
+    body = _body(_or(options.body, BODY), options.pose)
     patterns = [_pattern(path) for path in options.files]
     pattern, made_for = patterns[0], options.made_for
     if len(patterns) > 1:
@@ -207,6 +207,11 @@ def _pattern(path: Path) -> "Pattern":
         source = load(path)
         with errors_about(path):
             return decode(source).renamed(path.stem)
+    if path.suffix.lower() == ".glb":
+        raise DrapeError(
+            f"{shown_path(path)}: is a garment already draped; drape its pattern, or photograph it "
+            "with `garmentimage render`"
+        )
     from garmentimage.pattern.spec import read_pattern
 
     pattern, found = read_pattern(path)
@@ -227,7 +232,7 @@ def _body(name: str, pose: str | None) -> "Body":
             f"or a mesh ({', '.join(MESH_FORMATS)})"
         )
     if ending not in MESH_FORMATS:
-        return stand_straight(load_body(name, pose or POSE))
+        return stand_straight(load_body(name, _or(pose, POSE)))
     if pose is not None:
         raise DraftError(f"{shown_path(name)}: stands as it does; --pose is for shipped bodies")
     with warnings.catch_warnings(record=True) as found:
@@ -236,6 +241,18 @@ def _body(name: str, pose: str | None) -> "Body":
     for one in found:
         say(f"warning: {shown_path(name)}: {one_line(one.message)}")
     return body
+
+
+def body_file(options: argparse.Namespace) -> list[Path]:
+    """The mesh file of the body, if one is named."""
+    from garmentimage.body.obj import MESH_FORMATS
+
+    path = Path(_or(options.body, BODY))
+    return [path] if path.suffix.lower().removeprefix(".") in MESH_FORMATS else []
+
+
+def _or(text: str | None, default: str) -> str:
+    return default if text is None else text
 
 
 # --- reports -------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ import os
 import secrets
 import stat
 import unicodedata
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from garmentimage.errors import OutputError, quoted
@@ -62,7 +62,7 @@ def check_output(
 def _is_same(path: Path, other: Path) -> bool:
     if path.exists() and other.exists():
         return path.samefile(other)
-    return path.absolute() == other.absolute()
+    return path.resolve() == other.resolve()
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes | str) -> None:
@@ -73,14 +73,31 @@ def write_atomically(path: str | os.PathLike[str], data: bytes | str) -> None:
     Raises:
         OutputError: the folder is missing, the path is a folder, or the system refuses.
     """
-    raw = data.encode("utf-8") if isinstance(data, str) else data
+    write_together({path: data})
+
+
+def write_together(results: Mapping[str | os.PathLike[str], bytes | str]) -> None:
+    """Write several files, each whole, and none of them where one cannot be written.
+
+    Devices come first, then a temporary file beside each path, and the renames last of all.
+
+    Raises:
+        OutputError: see `write_atomically`.
+    """
+    parts: list[tuple[Path, Path]] = []
+    path: str | os.PathLike[str] = ""
     try:
-        target = Path(path).resolve()
-        _check_target(path, target)
-        if target.exists() and not target.is_file():
-            target.write_bytes(raw)
-        else:
-            _replace(target, raw)
+        for path, data in sorted(results.items(), key=lambda item: not _is_device(Path(item[0]))):
+            raw = data.encode("utf-8") if isinstance(data, str) else data
+            target = Path(path).resolve()
+            _check_target(path, target)
+            if _is_device(target):
+                target.write_bytes(raw)
+            else:
+                parts.append((target.with_name(f".{secrets.token_hex(8)}.part"), target))
+                _write_part(*parts[-1], raw)
+        for part, target in parts:
+            part.replace(target)
     except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: links that go in circles
         if isinstance(error, OutputError):
             raise
@@ -88,6 +105,14 @@ def write_atomically(path: str | os.PathLike[str], data: bytes | str) -> None:
         raise OutputError(
             f"{shown_path(path)}: cannot be written ({reason}); choose another place"
         ) from None
+    finally:
+        for part, _ in parts:
+            with contextlib.suppress(OSError):
+                part.unlink(missing_ok=True)
+
+
+def _is_device(path: Path) -> bool:
+    return path.exists() and not path.is_file() and not path.is_dir()
 
 
 def _check_target(path: str | os.PathLike[str], target: Path) -> None:
@@ -99,18 +124,11 @@ def _check_target(path: str | os.PathLike[str], target: Path) -> None:
         )
 
 
-def _replace(target: Path, raw: bytes) -> None:
-    part = target.with_name(f".{secrets.token_hex(8)}.part")
-    try:
-        with part.open("xb") as file:
-            file.write(raw)
-        if target.exists():
-            part.chmod(stat.S_IMODE(target.stat().st_mode))
-        part.replace(target)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            part.unlink()
-        raise
+def _write_part(part: Path, target: Path, raw: bytes) -> None:
+    with part.open("xb") as file:
+        file.write(raw)
+    if target.exists():
+        part.chmod(stat.S_IMODE(target.stat().st_mode))
 
 
 def safe_name(name: str, taken: Collection[str] = ()) -> str:

@@ -3,6 +3,7 @@
 import argparse
 import difflib
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -12,12 +13,12 @@ from garmentimage.drape_commands import (
     accept,
     add_view_options,
     add_worn_options,
-    told,
+    body_file,
     worn_facts,
     worn_from,
 )
 from garmentimage.errors import RenderError, quoted
-from garmentimage.files import check_output, shown_path, write_atomically
+from garmentimage.files import check_output, shown_path, write_together
 from garmentimage.terminal import Exit, print_json, whole_number
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ PALE_INK, DARK_INK = "#fbfaf6", "#2f3a4a"
 """What a print adds to the colour of its cloth, the second one on cloth ..."""
 PALE_CLOTH = 0.9
 """... whose mean of red, green and blue is from here to 1."""
+REPEATS = (0.1, 1000.0)
+"""After what a print may repeat [cm]."""
 PICTURE_WIDTH = 20.0
 """Width of a picture printed on cloth [cm], where none is told."""
 
@@ -71,7 +74,7 @@ def render_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="[PART=]PRINT",
         help="stripes, checks, dots or a picture file; with the colour of the cloth",
     )
-    look.add_argument("--repeat", type=float, metavar="CM", help="after which a print repeats")
+    look.add_argument("--repeat", type=_repeat, metavar="CM", help="after which a print repeats")
     look.add_argument("--skin", type=_tint, metavar="TINT", help="colour of the body")
     look.add_argument(
         "--background", type=_backdrop, metavar="TINT|FILE", help="a colour or a picture file"
@@ -103,24 +106,39 @@ def run_render(options: argparse.Namespace) -> Exit:
     from garmentimage.render.look import photograph
     from garmentimage.render.maps import map_bytes
     from garmentimage.render.png import png_bytes
+    from garmentimage.render.worn import body_camera
 
     maps = {name: getattr(options, name) for name in MAP_NAMES if getattr(options, name)}
-    taken = list(options.files)
+    pictures = [kind for _, kind in options.print] + [options.background or ""]
+    taken = [*options.files, *body_file(options), *map(Path, filter(_is_picture, pictures))]
     for path in (options.out, *maps.values()):
         check_output(path, (".png",), taken)
         taken.append(path)
+    if options.repeat is not None and not options.print:
+        raise RenderError("--repeat is for a print; choose one with --print")
     worn = _worn(options)
     look = _look(options, worn)
     views = photograph(worn, look, view=options.view, size=options.size, seams=options.seams)
     results = {options.out: png_bytes(views.colour)}
     results |= {path: map_bytes(views, name) for name, path in maps.items()}
-    for path, data in results.items():
-        write_atomically(path, data)
+    write_together(results)
     if options.json:
-        facts = {"out": str(options.out), "maps": {k: str(path) for k, path in maps.items()}}
-        print_json({**facts, "view": options.view, "size": options.size, **worn_facts(worn)})
+        camera = look.camera(body_camera(worn.body, options.view))
+        print_json(
+            {
+                "out": str(options.out),
+                "maps": {k: str(path) for k, path in maps.items()},
+                "view": options.view,
+                "size": options.size,
+                "camera": {**asdict(camera), "stand": camera.stand},
+                "panel_names": [panel.name for panel in worn.cloth.pattern.panels],
+                **worn_facts(worn),
+            }
+        )
     else:
-        print(f"{shown_path(options.out)}: written, {told(worn)}")
+        words = ", ".join(shown_path(path) for path in results)
+        seen = f"the {options.view} of {worn.cloth.pattern.name or 'the garment'}"
+        print(f"{words}: written, {seen} on {worn.body.name}, {options.size} pixels")
     return Exit.OK
 
 
@@ -146,7 +164,7 @@ def _read_worn(path: Path, options: argparse.Namespace) -> "Worn":
             f"{shown_path(path)}: is draped already; to wear garments together, drape their "
             "patterns together"
         )
-    given = [name for name in WORN_OPTIONS if getattr(options, name) not in (None, False)]
+    given = [name for name in WORN_OPTIONS if _is_given(getattr(options, name))]
     if given:
         raise RenderError(
             f"{shown_path(path)}: is draped already; --{given[0].replace('_', '-')} is for patterns"
@@ -154,6 +172,10 @@ def _read_worn(path: Path, options: argparse.Namespace) -> "Worn":
     worn = load_worn(path)
     accept(worn, options)
     return worn
+
+
+def _is_given(value: object) -> bool:
+    return value is not None and value is not False
 
 
 # --- look ----------------------------------------------------------------------------------------
@@ -260,6 +282,19 @@ def _part_print(text: str) -> tuple[str | None, str]:
 
 def _backdrop(text: str) -> str:
     return text if _is_picture(text) else _tint(text)
+
+
+def _repeat(text: str) -> float:
+    low, high = REPEATS
+    try:
+        length = float(text)
+    except ValueError:
+        length = 0.0
+    if not low <= length <= high:
+        raise argparse.ArgumentTypeError(
+            f"a print cannot repeat after {quoted(text)}; give {low:g} to {high:g} cm"
+        )
+    return length
 
 
 def _seed(text: str) -> int:

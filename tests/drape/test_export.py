@@ -1,6 +1,7 @@
 """A worn garment in files of other programs: nothing is lost, and nothing else gets in."""
 
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from garmentimage.draft.kinds import draft
 from garmentimage.drape.export import obj_text, ply_bytes, save_worn
 from garmentimage.drape.glb import UV_CM, glb_bytes, load_worn, mesh_names, read_glb
 from garmentimage.drape.mesh import mesh
+from garmentimage.drape.rest import most_strain, rest_of
 from garmentimage.drape.seams import corner_edges, corner_seams, vertex_normals
 from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import DrapeError, OutputError
@@ -40,7 +42,9 @@ def worn(request):
     corners = np.concatenate(
         [p.to_world(cloth.flat[cloth.panel == k]) for k, p in enumerate(pattern.panels)]
     )
-    return Worn(cloth, cloth.sewn(corners), load_body(), REPORT)
+    points = cloth.sewn(corners)
+    report = replace(REPORT, strain=most_strain(rest_of(cloth), points))
+    return Worn(cloth, points, load_body(), report)
 
 
 def renamed(worn, names):
@@ -218,3 +222,52 @@ def test_what_is_no_garment_is_refused_in_one_sentence(worn, tmp_path):
         load_worn(tmp_path / "none.glb")
     with pytest.raises(DrapeError, match="cannot be read"):
         load_worn(tmp_path)
+
+
+def damaged(worn, **parts):
+    """The garment as it would come from a file in which some numbers are others."""
+    import trimesh
+
+    scene = trimesh.load_scene(BytesIO(glb_bytes(worn)), file_type="glb", process=False)
+    names = scene.metadata["garmentimage"]["panels"]
+    for key, value in parts.items():
+        first, skin = scene.geometry[names[0]], scene.geometry["body"]
+        match key:
+            case "uv":
+                first.visual.uv[0] = value
+            case "place":
+                first.vertices[0] = value
+            case "all_places":
+                for name in names:
+                    scene.geometry[name].vertices[:] = value
+            case "vertex":
+                numbers = first.vertex_attributes["_VERTEX"].copy()
+                numbers[0] = value
+                first.vertex_attributes["_VERTEX"] = numbers
+            case "skin":
+                skin.vertices[0] = value
+            case _:
+                scene.metadata["garmentimage"]["report"][key] = value
+    return scene.export(file_type="glb", include_normals=True)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"uv": np.nan},
+        {"uv": 1e30},
+        {"place": 1e30},
+        {"all_places": 0.0},
+        {"vertex": 1e9},
+        {"skin": 1e6},
+        {"slid": None},
+        {"frames": "zz"},
+        {"strain": None},
+        {"faults": None},
+        {"speed": "nan"},
+    ],
+)
+def test_numbers_that_stand_for_nothing_are_refused(worn, parts):
+    read_glb(damaged(worn))
+    with pytest.raises(DrapeError, match="damaged garment"):
+        read_glb(damaged(worn, **parts))

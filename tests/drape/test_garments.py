@@ -23,6 +23,7 @@ from garmentimage.errors import DrapeError
 from garmentimage.examples import example_names, example_path
 from garmentimage.pattern.model import Pattern, Side, Stitch
 from garmentimage.pattern.spec import load_pattern
+from garmentimage.render.look import photograph
 from garmentimage.render.surface import surfaces_of
 from garmentimage.render.worn import body_camera, picture
 from tests.raster.mirror import mirrored_pattern
@@ -221,3 +222,13 @@ def test_what_lies_on_the_shoulders_hangs(kind):
     cloth = mesh(standing(draft(kind), body)[0], vertices=FEW)
     (item,) = items(cloth, start_points(cloth, body), body)
     assert not len(item.held)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"pattern": "tee.json"}, {"body": 3}, {"fabric": 3}, {"vertices": "many"}]
+)
+def test_an_argument_of_another_type_is_a_type_error_that_helps(wrong):
+    with pytest.raises(TypeError, match="wanted a"):
+        drape(**{"pattern": garment("tee"), **wrong})
+    with pytest.raises(TypeError, match="drape_pattern"):
+        photograph(garment("tee"))

@@ -120,3 +120,12 @@ def test_fabrics_are_those_of_everyday_clothes(name):
     assert 0.3 <= fabric.thickness <= 0.5
     own_weight = fabric.weight * 981 * 100 / fabric.stretch
     assert own_weight < 0.06, "a metre of it would stretch by too much under its own weight"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("weight", 150.0), ("stretch", -1.0), ("thickness", 0.0), ("friction", float("nan"))],
+)
+def test_a_fabric_that_cannot_be_is_refused(name, value):
+    with pytest.raises(DrapeError, match=f"a fabric's {name} is"):
+        replace(load_fabric("cotton"), **{name: value})

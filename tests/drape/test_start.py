@@ -157,7 +157,7 @@ def collared() -> Pattern:
         panel = tee.by_name[name]
         middle = panel.to_world(panel.curves[edge].sample(2))[1, 0]
         long = float(np.sign(middle)) * panel.curves[edge].length
-        corners = ((0.0, 0.0), (long, 0.0), (long, 5.0), (0.0, 5.0))
+        corners = ((0.0, 0.0), (long, 0.0), (long, 3.0), (0.0, 3.0))
         outline = Loop(corners, tuple(Edge(k, (k + 1) % 4) for k in range(4)))
         strip = Panel(f"collar_{name}_{edge}", outline, translation=(0.0, 147.0, z))
         strips.append(strip)

@@ -10,7 +10,8 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.body.body import Body
+from garmentimage.body.body import Body, load_body
+from garmentimage.errors import check_type
 
 WORN_LEG_ANGLE = np.deg2rad(2.5)
 """How far each leg stands out on a body that wears something."""
@@ -73,3 +74,17 @@ def _turned(
     turned[:, 0] = side * (hip[0] + cos * out + sin * up)
     turned[:, 1] = hip[1] - sin * out + cos * up
     return turned
+
+
+def wearer(body: str | Body) -> Body:
+    """Who wears a garment: a shipped body with its arms stretched out and its legs upright, or the
+    body that is given, as it stands.
+
+    Raises:
+        DraftError: there is no body of that name.
+        TypeError: it is neither a name nor a Body.
+    """
+    if isinstance(body, str):
+        return stand_straight(load_body(body))
+    check_type(body, Body, "name a shipped one, or read one with garmentimage.load_body_file")
+    return body

@@ -16,7 +16,7 @@ LEAST = 9.0
 
 
 def lay_collar(cloth: Cloth, corners: np.ndarray, marks: Marks) -> None:
-    """Bend level strips over the shoulders, in front and behind, to a ring round the neck's base."""
+    """Bend level strips over the shoulders, in front and behind, to a ring round the neck."""
     over, neck = marks["left_neck_point"][1], marks["neck_joint"][2]
     strips: dict[int, list[int]] = {1: [], -1: []}
     for k, panel in enumerate(cloth.pattern.panels):

@@ -26,7 +26,7 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.glb import BODY, glb_bytes, mesh_names
 from garmentimage.drape.seams import corner_edges, corner_seams, seam_vertices, vertex_normals
 from garmentimage.drape.worn import Worn
-from garmentimage.errors import OutputError, quoted
+from garmentimage.errors import OutputError, check_type, quoted
 from garmentimage.files import write_atomically
 
 WORN_FORMATS = (".glb", ".obj", ".ply")
@@ -43,7 +43,9 @@ def save_worn(path: str | os.PathLike[str], worn: Worn, *, body: bool = True) ->
 
     Raises:
         OutputError: another ending, or a file that cannot be written.
+        TypeError: it is no Worn.
     """
+    check_type(worn, Worn, "garmentimage.drape_pattern makes one")
     write_atomically(path, worn_bytes(worn, Path(path).suffix, body=body))
 
 

@@ -7,6 +7,16 @@ from types import MappingProxyType
 
 from garmentimage.errors import DrapeError, quoted
 
+_LIMITS = {
+    "stretch": (1e3, 1e7, "dyn/cm"),
+    "bend": (0.0, 1e5, "dyn cm"),
+    "weight": (1e-3, 1.0, "g/cm2"),
+    "friction": (0.0, 10.0, ""),
+    "thickness": (0.05, 2.0, "cm"),
+    "damping": (0.0, 100.0, "1/s"),
+}
+"""Least and greatest of what a cloth can be, far beyond any that is worn."""
+
 
 @dataclass(frozen=True)
 class Fabric:
@@ -25,6 +35,14 @@ class Fabric:
     """How far the middle of the cloth stays from the skin [cm]."""
     damping: float = 6.0
     """Share of the speed lost in air [1/s]."""
+
+    def __post_init__(self) -> None:
+        for name, (low, high, unit) in _LIMITS.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise DrapeError(
+                    f"a fabric's {name} is {value:g} {unit}; give {low:g} to {high:g} {unit}"
+                )
 
 
 FABRICS: Mapping[str, Fabric] = MappingProxyType(

@@ -20,6 +20,7 @@ from jaxtyping import Float, Int
 
 from garmentimage.body.body import Body
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.rest import most_strain, rest_of
 from garmentimage.drape.seams import corner_edges, corner_seams, seam_vertices, vertex_normals
 from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import DrapeError, GarmentImageError
@@ -39,6 +40,10 @@ UV_CM = 100.0
 """Cloth that one unit of UV stands for [cm]."""
 FILE_LIMIT = 200_000_000
 """Bytes of a file."""
+FARTHEST = 100.0
+"""Nothing in a file lies farther off [m]."""
+STRAIN_TOL = 0.01
+"""What the cloth is stretched by and what its report says may differ by so much."""
 CLOTH_COLOUR = (0.42, 0.52, 0.66, 1.0)
 SKIN_COLOUR = (0.80, 0.66, 0.57, 1.0)
 
@@ -162,7 +167,7 @@ def read_glb(raw: bytes) -> Worn:
         raise DrapeError("was written without its body; drape the pattern again with it")
     try:
         return _worn(scene.geometry, extras)
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError, GarmentImageError):
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, GarmentImageError):
         raise DrapeError("holds a damaged garment; drape the pattern again") from None
 
 
@@ -183,23 +188,49 @@ def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> Worn:
     sizes = [len(mesh.vertices) for mesh in panels]
     first = np.cumsum([0, *sizes[:-1]])
     vertex = np.concatenate([_whole(mesh.vertex_attributes["_VERTEX"]) for mesh in panels])
-    corners = np.concatenate([np.asarray(mesh.vertices, float) for mesh in panels]) * METRE
+    corners = _near(np.concatenate([mesh.vertices for mesh in panels])) * METRE
     cloth = Cloth(
         pattern=read_spec(extras["pattern"], str(extras["name"]))[0],
-        flat=np.concatenate([np.asarray(mesh.visual.uv, float) for mesh in panels]) * UV_CM,
+        flat=_near(np.concatenate([mesh.visual.uv for mesh in panels])) * UV_CM,
         faces=np.concatenate([mesh.faces + k for mesh, k in zip(panels, first)]),
         panel=np.repeat(np.arange(len(panels)), sizes),
         vertex=vertex,
         sides=MappingProxyType({Side(p, int(k)): np.array(n, int) for p, k, n in extras["sides"]}),
     )
     _check(cloth)
-    report = dict(extras["report"])
-    return Worn(
-        cloth,
-        cloth.sewn(corners),
-        _body(geometry[BODY], extras["body"]),
-        DrapeReport(**report | {"faults": tuple(report["faults"])}),
+    points, report = cloth.sewn(corners), _report(extras["report"])
+    if abs(most_strain(rest_of(cloth), points) - report.strain) > STRAIN_TOL:
+        raise ValueError
+    return Worn(cloth, points, _body(geometry[BODY], extras["body"]), report)
+
+
+def _report(facts: Mapping[str, Any]) -> DrapeReport:
+    """The report, every figure of its type."""
+    report = DrapeReport(
+        settled=bool(facts["settled"]),
+        frames=int(facts["frames"]),
+        speed=float(facts["speed"]),
+        penetration=float(facts["penetration"]),
+        strain=float(facts["strain"]),
+        slid={str(place): float(far) for place, far in facts["slid"].items()},
+        crossings=int(facts["crossings"]),
+        held=float(facts["held"]),
+        items=int(facts["items"]),
+        faults=tuple(str(fault) for fault in facts["faults"]),
+        seconds=float(facts["seconds"]),
     )
+    numbers = [report.speed, report.penetration, report.strain, report.held, report.seconds]
+    if not np.isfinite([*numbers, *report.slid.values()]).all():
+        raise ValueError
+    return report
+
+
+def _near(places: Any) -> Float[np.ndarray, "n k"]:
+    """Places [m], none of them farther off than a garment and its wearer can be."""
+    places = np.asarray(places, float)
+    if not (np.abs(places) <= FARTHEST).all():
+        raise ValueError
+    return places
 
 
 def _whole(column: np.ndarray) -> Int[np.ndarray, " n"]:
@@ -213,7 +244,9 @@ def _check(cloth: Cloth) -> None:
     numbers = np.concatenate([cloth.faces.ravel(), *cloth.sides.values()])
     # Every vertex from 0 to the last has a corner, so that none is without a place.
     if (
-        cloth.panel.max() >= len(names)
+        not len(cloth.faces)
+        or not 0 <= cloth.vertex.min() <= cloth.vertex.max() < count
+        or cloth.panel.max() >= len(names)
         or any(side.edge >= names[side.panel] for side in cloth.sides)
         or set(cloth.pattern.partners) - set(cloth.sides)
         or numbers.min() < 0
@@ -227,9 +260,14 @@ def _body(mesh: Any, facts: Mapping[str, Any]) -> Body:
     places = {str(key): np.array(place, float) for key, place in facts["landmarks"].items()}
     if any(place.shape != (3,) for place in places.values()):
         raise ValueError
+    vertices, faces = _near(mesh.vertices) * METRE, np.asarray(mesh.faces, np.int32)
+    if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
+        raise ValueError
+    if not all(np.isfinite(place).all() for place in places.values()):
+        raise ValueError
     return Body(
-        np.asarray(mesh.vertices, float) * METRE,
-        np.asarray(mesh.faces, np.int32),
+        vertices,
+        faces,
         str(facts["name"]),
         str(facts["pose"]),
         MappingProxyType(places),

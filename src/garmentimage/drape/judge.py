@@ -10,13 +10,12 @@ from garmentimage.drape.crossings import crossing_count
 from garmentimage.drape.field import body_field
 from garmentimage.drape.items import Item
 from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
-from garmentimage.drape.rest import Rest, strain
+from garmentimage.drape.rest import Rest, most_strain
 from garmentimage.drape.solver import Motion
 from garmentimage.drape.worn import DrapeReport
 
 DEEPEST = 0.5
 """A vertex may lie this far under the skin [cm]."""
-STRAINED = 0.01
 MOST_STRAIN = 0.25
 """All but a hundredth of the cloth, by area, may stretch by this share."""
 MOST_SLID = 3.0
@@ -51,7 +50,7 @@ def judge(
     speed = max(float(m.speeds[-1]) for m in motions)
     above = body_field(body).at(points)
     penetration = max(0.0, -float(above.min()))
-    stretch = _most_strain(rest, points)
+    stretch = most_strain(rest, points)
     slid = _slid(start, points, above, items)
     return DrapeReport(
         settled=settled,
@@ -69,18 +68,6 @@ def judge(
         ),
         seconds=seconds,
     )
-
-
-def _most_strain(rest: Rest, points: np.ndarray) -> float:
-    """The stretch that all but `STRAINED` of the cloth keeps below.
-
-    By area, not by number of triangles: those of narrow bands are small, so that their number
-    would tell how the cloth was cut into triangles.
-    """
-    stretch = strain(rest, points)
-    order = np.argsort(-stretch, kind="stable")
-    more = np.cumsum(rest.face_area[order])
-    return float(stretch[order[np.searchsorted(more, STRAINED * more[-1])]])
 
 
 def _slid(
@@ -132,7 +119,7 @@ def _motion_faults(
         faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {DEEPEST})")
     if stretch > MOST_STRAIN:
         faults.append(
-            f"it is too tight: stretched by {stretch:.0%} (at most {MOST_STRAIN:.0%}); choose a "
+            f"it is too tight: stretched by {stretch:.1%} (at most {MOST_STRAIN:.0%}); choose a "
             "larger size, another body, or a pose in which its sleeves are drawn"
         )
     faults += [

@@ -4,11 +4,14 @@ from collections.abc import Container, Sequence
 from dataclasses import replace
 
 from garmentimage.body.body import Body
+from garmentimage.body.stance import wearer
 from garmentimage.drape.stand import standing
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
 
 
-def outfit(patterns: Sequence[Pattern], body: Body, *, made_for: float | None = None) -> Pattern:
+def outfit(
+    patterns: Sequence[Pattern], body: str | Body = "mean-female", *, made_for: float | None = None
+) -> Pattern:
     """Several garments as one pattern whose panels stand where the body wears them.
 
     Each is put on the body by itself, as the files may stand in different worlds. Panels whose
@@ -16,12 +19,13 @@ def outfit(patterns: Sequence[Pattern], body: Body, *, made_for: float | None = 
 
     Args:
         patterns: at least one garment.
-        body: who wears them.
+        body: who wears them; see `drape`.
         made_for: stature that all of them were made for [cm]; see `standing`.
 
     Raises:
         DraftError: `made_for` is no stature.
     """
+    body = wearer(body)
     panels: list[Panel] = []
     stitches: list[Stitch] = []
     for pattern in patterns:

@@ -11,6 +11,8 @@ from jaxtyping import Float, Int
 
 from garmentimage.drape.cloth import Cloth
 
+STRAINED = 0.01
+"""Share of the cloth whose stretch is not asked for: corners, and where seams meet."""
 GATHERED = 1.05
 """An edge whose two panels differ in length by more than this factor is gathered: it is as long as
 the shorter side, and the longer one's cloth has to fold. Elsewhere it takes their mean."""
@@ -90,6 +92,18 @@ def strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> Float[np.ndarra
     v = first * m[:, 0, 1, None] + second * m[:, 1, 1, None]
     uu, vv, uv = ((a * b).sum(axis=1) for a, b in ((u, u), (v, v), (u, v)))
     return np.sqrt((uu + vv) / 2 + np.hypot((uu - vv) / 2, uv)) - 1
+
+
+def most_strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> float:
+    """The stretch that all but `STRAINED` of the cloth keeps below.
+
+    By area, not by number of triangles: those of narrow bands are small, so that their number
+    would tell how the cloth was cut into triangles.
+    """
+    stretch = strain(rest, points)
+    order = np.argsort(-stretch, kind="stable")
+    more = np.cumsum(rest.face_area[order])
+    return float(stretch[order[np.searchsorted(more, STRAINED * more[-1])]])
 
 
 def _edges(

@@ -48,6 +48,7 @@ def simulate(points, speeds, springs, bending, masses, held, rubs, field, cloth,
         before[:] = points
         gathering = frame < gather_frames
         keep = np.exp(-(gather_damping if gathering else damping) * step)
+        grip = 0.0 if gathering else friction
         fall = 0.0 if gathering else -gravity * step * step
         for substep in range(substeps):
             if substep % refresh == 0:
@@ -64,7 +65,7 @@ def simulate(points, speeds, springs, bending, masses, held, rubs, field, cloth,
                 z = moved[i, 2] * keep + force[i, 2] * pace
                 _advance(points, moved, i, x, y, z, top_speed * step)
             _hold(points, moved, held)
-            _collide(points, moved, planes, friction, rubs, gathering, push_speed * step)
+            _collide(points, moved, planes, friction, grip, rubs, push_speed * step)
         speeds[frame] = _mean_distance(points, before) / FRAME
         if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
             return frame + 1, True
@@ -164,7 +165,7 @@ def _hold(points, moved, held):
 
 
 @njit(cache=True)
-def _collide(points, moved, planes, friction, rubs, gathering, most):
+def _collide(points, moved, planes, resting_friction, friction, rubs, most):
     """Put vertices outside the body, with friction, and stop their motion along its normal.
 
     A push out of the body is not a motion: it leaves no speed behind.
@@ -180,7 +181,7 @@ def _collide(points, moved, planes, friction, rubs, gathering, most):
         slip_y = moved[i, 1] - along * y
         slip_z = moved[i, 2] - along * z
         slip = np.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
-        grip = friction if rubs[i] or not gathering else 0.0
+        grip = resting_friction if rubs[i] else friction
         kept = max(0.0, 1.0 - grip * push / (slip + SHORTEST))
         moved[i, 0], moved[i, 1], moved[i, 2] = slip_x * kept, slip_y * kept, slip_z * kept
         points[i, 0] += push * x - slip_x * (1.0 - kept)

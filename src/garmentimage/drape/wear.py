@@ -4,8 +4,8 @@ import time
 
 import numpy as np
 
-from garmentimage.body.body import Body, load_body
-from garmentimage.body.stance import stand_straight
+from garmentimage.body.body import Body
+from garmentimage.body.stance import wearer
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.field import DistanceField, body_field
 from garmentimage.drape.items import Item, items
@@ -17,7 +17,7 @@ from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
 from garmentimage.drape.tuck import tucked_in
 from garmentimage.drape.worn import Worn
-from garmentimage.errors import DrapeError
+from garmentimage.errors import DrapeError, check_type
 from garmentimage.pattern.model import Pattern
 
 BELT_STIFFNESS = 1e5
@@ -55,11 +55,15 @@ def drape(
 
     Raises:
         DrapeError: a pattern that has no stitches or that cannot be cut into triangles.
-        DraftError: there is no body of that name.
+        DraftError: there is no body of that name, or `made_for` is no stature.
+        TypeError: an argument is of another type.
     """
+    check_type(pattern, Pattern, "garmentimage.load_pattern reads one from a file")
+    check_type(vertices, int, "say about how many the cloth shall have")
     began = time.perf_counter()
-    body = stand_straight(load_body(body)) if isinstance(body, str) else body
+    body = wearer(body)
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
+    check_type(fabric, Fabric, "name one, such as 'cotton'")
     _check_sewn(pattern)
     placed, _ = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)

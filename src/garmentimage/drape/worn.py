@@ -23,7 +23,8 @@ class DrapeReport:
     penetration: float
     """Greatest depth of a vertex under the skin [cm]; 0 where none is."""
     strain: float
-    """99th percentile over the triangles of the largest stretch of a direction in the panel."""
+    """Largest stretch of a direction in the panel that all but a hundredth of the cloth, by area,
+    keeps below."""
     slid: Mapping[str, float]
     """How far the cloth lies from where it is worn [cm], by place: `shoulders` and `waist`."""
     crossings: int

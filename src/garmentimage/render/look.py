@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from garmentimage.drape.worn import Worn
-from garmentimage.errors import RenderError
+from garmentimage.errors import RenderError, check_type
 from garmentimage.render.background import PLAIN, gradient, plain
 from garmentimage.render.camera import Camera
 from garmentimage.render.light import STUDIO, Light
@@ -121,7 +121,9 @@ def photograph(
 
     Raises:
         RenderError: there is no such view, or the size is out of range.
+        TypeError: the garment is no Worn.
     """
+    check_type(worn, Worn, "garmentimage.drape_pattern makes one, load_worn reads one")
     look = look or Look()
     surfaces = surfaces_of(worn, skin=look.skin, colours=look.colours, prints=look.prints)
     camera = look.camera(body_camera(worn.body, view))

@@ -103,7 +103,19 @@ def read_picture(path: str | PathLike[str]) -> Float[np.ndarray, "row col 3"]:
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         if isinstance(error, RenderError):
             raise
-        raise RenderError(f"{shown_path(path)}: is no picture that can be read") from None
+        reason = getattr(error, "strerror", None)
+        if reason:
+            raise RenderError(
+                f"{shown_path(path)}: cannot be read ({reason}); name a picture file"
+            ) from None
+        if isinstance(error, Image.DecompressionBombError):
+            raise RenderError(
+                f"{shown_path(path)}: has too many pixels; "
+                f"make it smaller than {PIXEL_LIMIT // 1_000_000} million"
+            ) from None
+        raise RenderError(
+            f"{shown_path(path)}: is no picture that can be read; save it as PNG or JPEG"
+        ) from None
 
 
 @lru_cache(maxsize=32)

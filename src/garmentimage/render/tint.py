@@ -35,11 +35,14 @@ def rgb(tint: Tint) -> Float[np.ndarray, " 3"]:
         from PIL import ImageColor
 
         try:
-            return np.array(ImageColor.getrgb(tint)[:3]) / 255
+            levels: tuple[int, ...] = ImageColor.getrgb(tint)
         except ValueError:
+            levels = ()
+        if len(levels) != 3 or not all(0 <= level <= 255 for level in levels):
             raise RenderError(
                 f"{quoted(tint)} is no colour; write a name such as 'navy', or '#rrggbb'"
-            ) from None
+            )
+        return np.array(levels) / 255
     values = np.asarray(tint, float)
     if values.shape != (3,) or not ((values >= 0) & (values <= 1)).all():
         raise RenderError(f"a colour is three numbers from 0 to 1, not {quoted(str(tint))}")
