@@ -36,6 +36,19 @@ def test_workers_change_nothing():
     assert records("skirt", 70, 5) == records("skirt", 70, 5, workers=2)
 
 
+def test_fixed_parameters_are_not_drawn_and_the_others_are_drawn_as_without():
+    free = [record for record, _ in records("tank", 5, 3)]
+    fixed = [record for record, _ in records("tank", 5, 3, fixed={"neckline": "v"})]
+    for one, other in zip(free, fixed):
+        if not one["rejected"] and not other["rejected"]:
+            assert one["parameters"] | {"neckline": "v"} == other["parameters"]
+    assert {record["parameters"]["neckline"] for record in fixed} == {"v"}
+    with pytest.raises(DraftError, match="has no parameter 'neklin'"):
+        sample("tank", 1, fixed={"neklin": "v"})
+    with pytest.raises(DraftError, match="cannot be fixed"):
+        sample(Template.read(TEMPLATE), 1, fixed={"neckline": "v"})
+
+
 def test_other_seeds_and_kinds_give_other_values():
     one, other = (records("skirt", 1, seed)[0][0]["parameters"] for seed in (1, 2))
     assert one != other

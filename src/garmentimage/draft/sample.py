@@ -12,13 +12,14 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from garmentimage.body.measurements import BodyMeasurements, measurements, presets
 from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, Kind
-from garmentimage.draft.parameters import Parameter, Value, near
+from garmentimage.draft.parameters import Parameter, Value, checked_values, near
 from garmentimage.draft.template import Template
 from garmentimage.errors import DraftError, PatternError, quoted
 from garmentimage.pattern.model import Pattern
@@ -69,6 +70,7 @@ def sample(
     seed: int = 0,
     *,
     body: str | BodyMeasurements = DEFAULT_BODY,
+    fixed: Mapping[str, Value] = MappingProxyType({}),
     workers: int = 1,
     first: int = 0,
 ) -> Iterator[Sample]:
@@ -80,6 +82,8 @@ def sample(
         seed: the same seed gives the same garments for ever.
         body: measurements, the name of a shipped body, or "any" to draw among these, which is
             another draw in a version with another body; a template has its own.
+        fixed: parameters of a kind that are not drawn, and their values; the others are drawn as
+            without.
         workers: processes; the garments do not depend on it.
         first: index of the first garment, to go on where another call ended.
 
@@ -88,6 +92,11 @@ def sample(
             garment.
     """
     found = _found(source)
+    if fixed and not isinstance(found, Kind):
+        raise DraftError("the parameters of a template cannot be fixed; fix those of a kind")
+    if isinstance(found, Kind):
+        values = checked_values(found.parameters, fixed, f"kind {found.name}")
+        fixed = {name: values[name] for name in fixed}
     for name, number, low in (("count", count, 0), ("first", first, 0), ("seed", seed, 0)):
         if not low <= number < SEED_LIMIT:
             raise DraftError(f"{name} is {number}; give a whole number from {low}")
@@ -95,15 +104,20 @@ def sample(
         body.check()
     elif body != ANY_BODY:
         measurements(body)
-    return _samples(found, seed, body, range(first, first + count), workers)
+    return _samples(found, seed, body, fixed, range(first, first + count), workers)
 
 
 def _samples(
-    source: Source, seed: int, body: str | BodyMeasurements, indices: range, workers: int
+    source: Source,
+    seed: int,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    indices: range,
+    workers: int,
 ) -> Iterator[Sample]:
     if workers <= 1 or len(indices) <= CHUNK:
         for index in indices:
-            yield _one(source, seed, body, index)
+            yield _one(source, seed, body, fixed, index)
         return
     # A kind's functions stay where they are: workers look it up by its name.
     sent = source.name if isinstance(source, Kind) else source
@@ -111,7 +125,7 @@ def _samples(
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         waiting: deque[Future[list[Sample]]] = deque()
         for chunk in chunks:
-            waiting.append(pool.submit(_chunk, sent, seed, body, chunk))
+            waiting.append(pool.submit(_chunk, sent, seed, body, fixed, chunk))
             if len(waiting) > 2 * workers:
                 yield from waiting.popleft().result()
         while waiting:
@@ -119,9 +133,13 @@ def _samples(
 
 
 def _chunk(
-    source: str | Template, seed: int, body: str | BodyMeasurements, indices: range
+    source: str | Template,
+    seed: int,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    indices: range,
 ) -> list[Sample]:
-    return [_one(_found(source), seed, body, index) for index in indices]
+    return [_one(_found(source), seed, body, fixed, index) for index in indices]
 
 
 def _found(source: str | Source) -> Source:
@@ -132,14 +150,20 @@ def _found(source: str | Source) -> Source:
     return KINDS[source]
 
 
-def _one(source: Source, seed: int, body: str | BodyMeasurements, index: int) -> Sample:
+def _one(
+    source: Source,
+    seed: int,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    index: int,
+) -> Sample:
     name = source.name if isinstance(source, Kind) else source.pattern.name
     key = zlib.crc32(name.encode())
     random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, key, index])))
     rejected: list[str] = []
     while len(rejected) < MOST_DRAWS:
         try:
-            who, values, pattern = _drawn(source, body, random)
+            who, values, pattern = _drawn(source, body, fixed, random)
         except (DraftError, PatternError) as error:
             rejected.append(str(error))
             continue
@@ -153,7 +177,10 @@ def _one(source: Source, seed: int, body: str | BodyMeasurements, index: int) ->
 
 
 def _drawn(
-    source: Source, body: str | BodyMeasurements, random: np.random.Generator
+    source: Source,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    random: np.random.Generator,
 ) -> tuple[str | None, Mapping[str, Any], Pattern]:
     """The body's name, the values of the parameters, and the garment."""
     if isinstance(source, Template):
@@ -164,6 +191,7 @@ def _drawn(
         names = tuple(presets())
         who = names[int(random.random() * len(names))]
     drawn = {name: drawn_value(p, random) for name, p in source.parameters.items()}
+    drawn |= dict(fixed)
     wearer = body if isinstance(body, BodyMeasurements) else measurements(who or DEFAULT_BODY)
     return who, drawn, source.draft(wearer, drawn)
 
