@@ -24,6 +24,7 @@ ROOMS = (
     {"raster"},
     {"drape"},
     {"metrics", "render", "examples"},
+    {"dataset"},
 )
 """The way the data goes; a room imports from itself and from what stands before its step.
 

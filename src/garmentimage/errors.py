@@ -63,6 +63,10 @@ class RenderError(GarmentImageError, ValueError):
     """A picture that cannot be made as asked."""
 
 
+class DatasetError(GarmentImageError, ValueError):
+    """A recipe that will not do, or a dataset that cannot be built or read."""
+
+
 class OutputError(GarmentImageError, OSError):
     """A result that cannot be written where it was asked for."""
 

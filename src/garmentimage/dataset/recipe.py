@@ -1,0 +1,188 @@
+"""Recipes: what a dataset holds, as data and not as code.
+
+Words of this file:
+
+- A **type** is a kind of garment with some parameters fixed: tops with sleeves + trousers are the
+  kind `top-pants` with `sleeves = "set-in"`.
+- A type is **seen** (its rows are for training, validation and test) or **unseen**: all its rows
+  are for test, as no model should have met its topology.
+- A **preset** is a number of rows a type: `paper` as in the paper, `laptop` for two cores.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from garmentimage.body.measurements import presets
+from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.parameters import Value, checked_values, near
+from garmentimage.drape.fabric import FABRICS
+from garmentimage.errors import DatasetError, GarmentImageError, quoted
+from garmentimage.render.camera import VIEWS
+from garmentimage.render.tint import Tint, rgb
+
+SPLITS = ("train", "validation", "test", "unseen")
+SHARES = (0.9, 0.05, 0.05)
+"""Shares of the rows of a seen type that are for training, validation and test."""
+LOOKS = ("plain", "random")
+PICTURE_SIZES = (16, 1024)
+_TYPE_KEYS = {"name", "kind", "fixed", "seen"}
+_KEYS = {
+    "name", "version", "doc", "bodies", "test_bodies", "fabrics", "views", "picture", "look",
+    "colours", "presets", "types",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class GarmentType:
+    """A kind of garment with some parameters fixed."""
+
+    name: str
+    kind: str
+    fixed: Mapping[str, Value]
+    seen: bool
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What a dataset holds."""
+
+    name: str
+    version: int
+    """Raised whenever the same seed would give other rows."""
+    doc: str
+    types: tuple[GarmentType, ...]
+    bodies: tuple[str, ...]
+    """Who wears the garments; one is drawn for each row."""
+    test_bodies: tuple[str, ...]
+    """Who wears those for test, where these are others."""
+    fabrics: tuple[str, ...]
+    views: tuple[str, ...]
+    """Pictures of each row; without any, nothing is draped."""
+    picture: int
+    """Rows and columns of a picture [pixel]."""
+    look: str
+    """`plain` (the paper's), or `random`: light, lens, colours, prints, skin and background."""
+    colours: Mapping[str, Tint]
+    """Colours of the panel groups in plain pictures."""
+    presets: Mapping[str, int]
+    """Rows of each type, by preset."""
+
+    def split(self, of: GarmentType, index: int) -> str:
+        """What a row is for; it depends on its type and its number alone.
+
+        Of any twenty rows of a seen type in order, 18 are for training, one for validation and
+        one for test, so that a larger dataset has the same rows in the same splits.
+        """
+        if not of.seen:
+            return "unseen"
+        places = np.cumsum(np.rint(20 * np.array(SHARES))).astype(int)
+        return SPLITS[int(np.searchsorted(places, index % 20, side="right"))]
+
+    def wearers(self, split: str) -> tuple[str, ...]:
+        """Who may wear the rows of a split."""
+        is_test = split in ("test", "unseen")
+        return self.test_bodies if is_test and self.test_bodies else self.bodies
+
+
+def recipe_names() -> tuple[str, ...]:
+    """Names of the recipes that come with the package."""
+    folder = files("garmentimage.dataset") / "recipes"
+    return tuple(sorted(f.name.removesuffix(".toml") for f in folder.iterdir()))
+
+
+@cache
+def recipe(name: str) -> Recipe:
+    """A recipe that comes with the package.
+
+    Raises:
+        DatasetError: there is none of that name.
+    """
+    if name not in recipe_names():
+        raise DatasetError(f"there is no recipe {quoted(name)}; {near(name, recipe_names())}")
+    text = (files("garmentimage.dataset") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
+    return parse_recipe(text)
+
+
+def parse_recipe(text: str) -> Recipe:
+    """A recipe from its TOML.
+
+    Raises:
+        DatasetError: says what is wrong with it.
+    """
+    try:
+        facts = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise DatasetError(f"the recipe is no TOML: {error}") from None
+    _check_keys(facts, _KEYS, required=_KEYS - {"test_bodies", "colours", "look", "picture"})
+    try:
+        return _recipe(facts)
+    except DatasetError:
+        raise
+    except GarmentImageError as error:
+        raise DatasetError(str(error)) from None
+    except (TypeError, ValueError, AttributeError):
+        raise DatasetError("a value of the recipe is of the wrong type") from None
+
+
+def _recipe(facts: Mapping[str, Any]) -> Recipe:
+    made = Recipe(
+        name=str(facts["name"]),
+        version=int(facts["version"]),
+        doc=str(facts["doc"]),
+        types=tuple(_type(each) for each in facts["types"]),
+        bodies=_known(facts["bodies"], presets(), "body"),
+        test_bodies=_known(facts.get("test_bodies", ()), presets(), "body"),
+        fabrics=_known(facts["fabrics"], FABRICS, "fabric"),
+        views=_known(facts["views"], VIEWS, "view"),
+        picture=int(facts.get("picture", 0)),
+        look=_known([facts.get("look", "plain")], LOOKS, "look")[0],
+        colours=MappingProxyType(dict(facts.get("colours", {}))),
+        presets=MappingProxyType({str(k): int(n) for k, n in facts["presets"].items()}),
+    )
+    low, high = PICTURE_SIZES
+    if made.views and not low <= made.picture <= high:
+        raise DatasetError(f"pictures of {made.picture} pixels; give {low} to {high}")
+    if not made.types or not made.bodies or not made.fabrics:
+        raise DatasetError("a recipe needs types, bodies and fabrics")
+    if len({each.name for each in made.types}) < len(made.types):
+        raise DatasetError("two types of the recipe have one name")
+    if set(made.bodies) & set(made.test_bodies):
+        raise DatasetError("the test bodies of a recipe are others than its bodies")
+    for tint in made.colours.values():
+        rgb(tint)
+    return made
+
+
+def _type(facts: Mapping[str, Any]) -> GarmentType:
+    _check_keys(facts, _TYPE_KEYS, required={"name", "kind"})
+    (kind,) = _known([facts["kind"]], KINDS, "kind")
+    fixed = dict(facts.get("fixed", {}))
+    values = checked_values(KINDS[kind].parameters, fixed, f"kind {kind}")
+    return GarmentType(
+        name=str(facts["name"]),
+        kind=kind,
+        fixed=MappingProxyType({name: values[name] for name in fixed}),
+        seen=bool(facts.get("seen", True)),
+    )
+
+
+def _known(names: Any, known: Any, what: str) -> tuple[str, ...]:
+    for name in names:
+        if name not in known:
+            raise DatasetError(f"there is no {what} {quoted(str(name))}; {near(str(name), known)}")
+    return tuple(names)
+
+
+def _check_keys(facts: Mapping[str, Any], known: set[str], *, required: set[str]) -> None:
+    for key in facts:
+        if key not in known:
+            raise DatasetError(f"a recipe has no {quoted(key)}; {near(key, sorted(known))}")
+    for key in sorted(required - facts.keys()):
+        raise DatasetError(f"the recipe does not tell its {key}")
