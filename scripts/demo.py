@@ -25,7 +25,7 @@ SIDE_SHARE = 0.14
 def main(folder: Path) -> int:
     """Make the files of every example in `folder`; 1 where a pattern does not come back."""
     folder.mkdir(parents=True, exist_ok=True)
-    print("Compiling, the first time only: about a minute of two cores ...", flush=True)
+    print("Compiling, the first time only: about a minute ...", flush=True)
     # Draping compiles other code than encoding, so both are done at once.
     with ProcessPoolExecutor(1) as other:
         worn = {name: other.submit(wear, name, folder) for name in WORN}

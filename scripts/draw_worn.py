@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 import garmentimage as gi
+from garmentimage.body.stance import wearer
 from garmentimage.drape.outfit import outfit
 from garmentimage.render.background import gradient
 from garmentimage.render.png import contact_sheet
@@ -91,7 +92,7 @@ OUTFITS = (
 
 def pictures(one: Outfit) -> list[UInt8[np.ndarray, "row col 3"]]:
     """An outfit from the front and from behind."""
-    body = gi.load_body(one.body)
+    body = wearer(one.body)
     garments = [gi.draft_pattern(kind, one.body, **given) for kind, given in one.kinds.items()]
     worn = gi.drape_pattern(outfit(garments, body), body, vertices=VERTICES * len(garments))
     gi.check_worn(worn)
