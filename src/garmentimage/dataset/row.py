@@ -1,0 +1,168 @@
+"""Rows of a dataset: a garment with its raster, its pictures and what is known of it.
+
+A row depends on the recipe, the seed and its number alone, not on who makes it or when.
+"""
+
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from garmentimage.body.stance import wearer
+from garmentimage.dataset.caption import captions
+from garmentimage.dataset.recipe import GarmentType, Recipe
+from garmentimage.draft.sample import Sample, sample
+from garmentimage.drape.wear import drape
+from garmentimage.drape.worn import Worn
+from garmentimage.errors import GarmentImageError
+from garmentimage.pattern.spec_writer import pattern_to_spec
+from garmentimage.raster.encode import encode
+from garmentimage.render.look import Look, photograph
+from garmentimage.render.maps import map_bytes
+from garmentimage.render.png import png_bytes
+
+SCHEMA = 1
+"""Version of what a row holds."""
+UNTOLD = ("seconds",)
+"""What a drape's report tells that is not the same on every run."""
+_LOOK, _BODY, _FABRIC = range(3)
+"""Streams of random numbers of a row."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """Which row to make."""
+
+    recipe: Recipe
+    seed: int
+    grid: int
+    type_number: int
+    index: int
+    """Number of the row among those of its type."""
+
+    @property
+    def type(self) -> GarmentType:
+        """What kind of garment it is."""
+        return self.recipe.types[self.type_number]
+
+    @property
+    def split(self) -> str:
+        """What the row is for."""
+        return self.recipe.split(self.type, self.index)
+
+    @property
+    def row_id(self) -> str:
+        """A name that no other row of the recipe has."""
+        return f"{self.recipe.name}-{self.type_number:02d}-{self.index:07d}"
+
+    def random(self, stream: int) -> np.random.Generator:
+        """Random numbers of this row."""
+        return np.random.default_rng([*self._key, self.index, stream])
+
+    @property
+    def garment_seed(self) -> int:
+        """Seed of the garments of this type: types of one kind are not the same but for sleeves."""
+        state = np.random.SeedSequence(self._key).generate_state(2, np.uint32)
+        return int(state[0]) << 31 | int(state[1]) >> 1
+
+    @property
+    def _key(self) -> list[int]:
+        return [self.seed, zlib.crc32(self.recipe.name.encode()), self.type_number]
+
+
+@dataclass(frozen=True)
+class Failed:
+    """A row that could not be made."""
+
+    row_id: str
+    stage: str
+    """`draft`, `encode` or `drape`."""
+    reason: str
+
+
+def make_row(task: Task) -> dict[str, Any] | Failed:
+    """One row, or why there is none.
+
+    Returns:
+        `id`, `recipe`, `version`, `type`, `kind`, `seed`, `index`, `split`, `body`, `fabric`,
+        `parameters` and `pattern` (JSON), `captions`, `raster` (float32, layer x 17 x N x N), and,
+        where the recipe has pictures: `pictures` (PNG bytes by view), `panels` (the mask of the
+        first view as PNG bytes) and `report` (JSON).
+    """
+    recipe, stage = task.recipe, "draft"
+    body = _chosen(task, _BODY, recipe.wearers(task.split))
+    fabric = _chosen(task, _FABRIC, recipe.fabrics)
+    try:
+        garment = _garment(task, body)
+        stage = "encode"
+        image = encode(garment.pattern, task.grid)
+        row = _facts(task, garment, body, fabric)
+        channels = image.to_channels()
+        row["raster"] = channels.reshape(image.layers, -1, task.grid, task.grid)
+        stage = "drape"
+        if recipe.views:
+            worn = drape(garment.pattern, wearer(body), fabric=fabric)
+            if worn.report.faults:
+                return Failed(task.row_id, stage, "; ".join(worn.report.faults))
+            row |= _pictures(task, worn)
+    except GarmentImageError as error:
+        return Failed(task.row_id, stage, str(error))
+    return row
+
+
+def _garment(task: Task, body: str) -> Sample:
+    drawn = sample(
+        task.type.kind,
+        1,
+        task.garment_seed,
+        body=body,
+        fixed=task.type.fixed,
+        first=task.index,
+    )
+    return next(drawn)
+
+
+def _chosen(task: Task, stream: int, names: tuple[str, ...]) -> str:
+    return names[int(task.random(stream).random() * len(names))]
+
+
+def _facts(task: Task, garment: Sample, body: str, fabric: str) -> dict[str, Any]:
+    parameters = garment.record()["parameters"]
+    return {
+        "id": task.row_id,
+        "recipe": task.recipe.name,
+        "version": task.recipe.version,
+        "type": task.type.name,
+        "kind": task.type.kind,
+        "seed": task.seed,
+        "index": task.index,
+        "split": task.split,
+        "body": body,
+        "fabric": fabric,
+        "parameters": _text(parameters),
+        "pattern": _text(pattern_to_spec(garment.pattern)),
+        "captions": list(captions(task.type.kind, parameters)),
+    }
+
+
+def _pictures(task: Task, worn: Worn) -> dict[str, Any]:
+    recipe, pictures, panels = task.recipe, {}, b""
+    random = task.random(_LOOK)
+    for view in recipe.views:
+        look = Look.random(random) if recipe.look == "random" else _plain(recipe)
+        views = photograph(worn, look, view=view, size=recipe.picture)
+        pictures[view] = png_bytes(views.colour)
+        panels = panels or map_bytes(views, "panels")
+    report = {key: value for key, value in asdict(worn.report).items() if key not in UNTOLD}
+    return {"pictures": pictures, "panels": panels, "report": _text(report)}
+
+
+def _plain(recipe: Recipe) -> Look:
+    return Look(colours={**Look().colours, **recipe.colours})
+
+
+def _text(data: Mapping[str, Any]) -> str:
+    return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
