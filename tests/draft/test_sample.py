@@ -32,8 +32,10 @@ def test_a_garment_depends_on_its_seed_and_index_alone(kind, seed, count):
     assert together == apart
 
 
-def test_workers_change_nothing():
-    assert records("skirt", 70, 5) == records("skirt", 70, 5, workers=2)
+@pytest.mark.parametrize("source", ["skirt", TEMPLATE])
+def test_workers_change_nothing(source):
+    source = Template.read(source) if isinstance(source, Path) else source
+    assert records(source, 70, 5) == records(source, 70, 5, workers=2)
 
 
 def test_fixed_parameters_are_not_drawn_and_the_others_are_drawn_as_without():

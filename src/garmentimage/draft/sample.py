@@ -104,7 +104,7 @@ def sample(
         body.check()
     elif body != ANY_BODY:
         measurements(body)
-    return _samples(found, seed, body, fixed, range(first, first + count), workers)
+    return _samples(found, seed, body, dict(fixed), range(first, first + count), workers)
 
 
 def _samples(
