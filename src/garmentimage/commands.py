@@ -12,6 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from garmentimage.dataset_commands import (
+    build_arguments,
+    dataset_arguments,
+    run_build,
+    run_dataset,
+)
 from garmentimage.draft_commands import (
     bodies_arguments,
     draft_arguments,
@@ -410,4 +416,6 @@ COMMANDS = (
     ),
     Command("drape", "put garments on a body", drape_arguments, run_drape),
     Command("render", "photograph a garment on a body", render_arguments, run_render),
+    Command("build", "make a dataset, or go on with one", build_arguments, run_build),
+    Command("dataset", "describe a dataset and draw rows of it", dataset_arguments, run_dataset),
 )

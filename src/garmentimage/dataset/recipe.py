@@ -14,7 +14,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -143,8 +142,8 @@ def _recipe(facts: Mapping[str, Any]) -> Recipe:
         views=_known(facts["views"], VIEWS, "view"),
         picture=int(facts.get("picture", 0)),
         look=_known([facts.get("look", "plain")], LOOKS, "look")[0],
-        colours=MappingProxyType(dict(facts.get("colours", {}))),
-        presets=MappingProxyType({str(k): int(n) for k, n in facts["presets"].items()}),
+        colours=dict(facts.get("colours", {})),
+        presets={str(k): int(n) for k, n in facts["presets"].items()},
     )
     low, high = PICTURE_SIZES
     if made.views and not low <= made.picture <= high:
@@ -168,7 +167,7 @@ def _type(facts: Mapping[str, Any]) -> GarmentType:
     return GarmentType(
         name=str(facts["name"]),
         kind=kind,
-        fixed=MappingProxyType({name: values[name] for name in fixed}),
+        fixed={name: values[name] for name in fixed},
         seen=bool(facts.get("seen", True)),
     )
 

@@ -1,0 +1,81 @@
+"""The card of a dataset: what it holds and how it was made, as Hugging Face shows it."""
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from garmentimage.dataset.recipe import Recipe
+
+PACKAGES = ("garmentimage", "numpy", "numba", "scipy", "shapely", "pillow", "pyarrow")
+COLUMNS = {
+    "id": "name of the row",
+    "recipe, version, seed, index": "what it was made from",
+    "type, kind, parameters": "the kind of garment and, as JSON, its design parameters",
+    "split": "train, validation, test, or unseen: types that are in no other split",
+    "body, fabric": "who wears it, and what it is made of",
+    "pattern": "the sewing pattern, as specification JSON",
+    "raster": "the GarmentImage: layers x 17 channels x N x N, row 0 at the bottom",
+    "captions": "what it is in words, from its parameters, the longest first",
+}
+PICTURE_COLUMNS = {
+    "picture_VIEW": "a picture of the garment on the body",
+    "panels": "which panel is where in the first picture: 0 nothing, 1 body, number of panel + 2",
+    "report": "how the drape went, as JSON",
+}
+
+
+def card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
+    """The README.md of a dataset, with the metadata that `datasets` reads."""
+    splits = "".join(
+        f"  - split: {split}\n    path: data/{split}-*.parquet\n" for split in summary["splits"]
+    )
+    columns = COLUMNS | (PICTURE_COLUMNS if recipe.views else {})
+    types = [f"| {t.name} | {t.kind} | {'' if t.seen else 'unseen'} |" for t in recipe.types]
+    failed = [f"| {cause} | {n} |" for cause, n in summary["failed"].items()]
+    head = ["| drawn, but no row because of | rows |", "|---|---|"]
+    return f"""---
+pretty_name: {recipe.name} garments
+tags: [sewing patterns, garments]
+configs:
+- config_name: default
+  data_files:
+{splits}---
+
+# {recipe.name}
+
+{recipe.doc}
+
+{summary["rows"]:,} rows of {summary["count"] * len(recipe.types):,} drawn: \
+{", ".join(f"{n:,} {split}" for split, n in summary["splits"].items())}.
+
+| column | what it holds |
+|---|---|
+{_table(columns)}
+
+| type | kind | |
+|---|---|---|
+{_lines(types)}
+
+{_lines([*head, *failed, ""] if failed else [])}
+Made by `{command or "garmentimage.dataset.build"}`, recipe version {recipe.version}, seed \
+{summary["seed"]}, N = {summary["grid"]}, with {", ".join(_versions())}.
+The same command makes the same rows again; `summary.json` has the sha256 of every shard.
+"""
+
+
+def _table(columns: dict[str, str]) -> str:
+    return _lines([f"| {name} | {words} |" for name, words in columns.items()])
+
+
+def _lines(lines: list[str]) -> str:
+    return "\n".join(lines)
+
+
+def _versions() -> list[str]:
+    found = [f"Python {platform.python_version()}"]
+    for name in PACKAGES:
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            continue
+    return found

@@ -1,0 +1,127 @@
+"""Shards: rows as Parquet files that Hugging Face `datasets`, pandas and all else read.
+
+The schema carries the features of `datasets`, so that pictures come as pictures and rasters as
+arrays; `garmentimage` in its metadata holds the schema's version and the rows that failed.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from garmentimage.dataset.recipe import Recipe
+from garmentimage.dataset.row import SCHEMA, Failed
+from garmentimage.errors import DatasetError
+
+OURS = b"garmentimage"
+ROW_GROUP = 50
+"""Rows that are read at a time."""
+_TEXTS = (
+    "id", "recipe", "type", "kind", "split", "body", "fabric", "parameters", "pattern", "report",
+)  # fmt: skip
+_PICTURE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
+
+
+def schema(recipe: Recipe, grid: int) -> pa.Schema:
+    """Columns of a dataset's shards, and what `datasets` wants to know of them."""
+    raster = pa.float32()
+    for _ in range(4):
+        raster = pa.list_(raster)
+    fields = [(name, pa.string()) for name in _TEXTS if recipe.views or name != "report"]
+    fields += [(name, pa.int64()) for name in ("version", "seed", "index")]
+    fields += [("captions", pa.list_(pa.string())), ("raster", raster)]
+    features: dict[str, Any] = {name: _value(str(kind)) for name, kind in fields[:-2]}
+    features["captions"] = {"feature": _value("string"), "_type": "List"}
+    features["raster"] = {
+        "shape": [None, 17, grid, grid], "dtype": "float32", "_type": "Array4D",
+    }  # fmt: skip
+    for name in picture_columns(recipe):
+        fields.append((name, _PICTURE))
+        features[name] = {"_type": "Image"}
+    return pa.schema(fields, metadata={b"huggingface": _json({"info": {"features": features}})})
+
+
+def picture_columns(recipe: Recipe) -> tuple[str, ...]:
+    """Columns that hold pictures."""
+    return (*(f"picture_{view}" for view in recipe.views), "panels") if recipe.views else ()
+
+
+def shard_bytes(
+    recipe: Recipe, grid: int, rows: Sequence[dict[str, Any]], failed: Sequence[Failed]
+) -> bytes:
+    """A Parquet file with some rows; the same bytes for the same rows."""
+    wanted = schema(recipe, grid)
+    told = {"schema": SCHEMA, "failed": [asdict(each) for each in failed]}
+    wanted = wanted.with_metadata({**wanted.metadata, OURS: _json(told)})
+    columns = {name: [_cell(row, name) for row in rows] for name in wanted.names}
+    arrays = [
+        _rasters(columns[field.name], field.type)
+        if field.name == "raster"
+        else pa.array(columns[field.name], field.type)
+        for field in wanted
+    ]
+    file = BytesIO()
+    pq.write_table(
+        pa.Table.from_arrays(arrays, schema=wanted),
+        file,
+        row_group_size=ROW_GROUP,
+        compression="zstd",
+    )
+    return file.getvalue()
+
+
+def failures_of(raw: bytes) -> list[Failed]:
+    """The rows that a shard lacks because they could not be made.
+
+    Raises:
+        DatasetError: it is no shard of ours.
+    """
+    try:
+        metadata = pq.read_schema(BytesIO(raw)).metadata or {}
+        told = json.loads(metadata[OURS])
+        if told["schema"] != SCHEMA:
+            raise DatasetError(f"is a shard of another version; only {SCHEMA} is read")
+        return [Failed(**each) for each in told["failed"]]
+    except (pa.ArrowException, OSError, KeyError, TypeError, ValueError) as error:
+        if isinstance(error, DatasetError):
+            raise
+        raise DatasetError("is no shard of garmentimage; remove it and build again") from None
+
+
+def row_count(raw: bytes) -> int:
+    """Rows of a shard."""
+    return pq.read_metadata(BytesIO(raw)).num_rows
+
+
+def _cell(row: dict[str, Any], name: str) -> Any:
+    if name == "panels":
+        return {"bytes": row["panels"], "path": None}
+    if name.startswith("picture_"):
+        return {"bytes": row["pictures"][name.removeprefix("picture_")], "path": None}
+    return row[name]
+
+
+def _rasters(rasters: Sequence[np.ndarray], kind: pa.DataType) -> pa.Array:
+    """Nested lists of equal rasters, without making a Python object of every number."""
+    flat: pa.Array = pa.array(np.concatenate([r.ravel() for r in rasters]) if rasters else [],
+                              pa.float32())  # fmt: skip
+    sizes = [[len(r) for r in rasters]]
+    for axis in range(1, 4):
+        sizes.append([r.shape[axis] for r in rasters for _ in range(int(np.prod(r.shape[:axis])))])
+    for lengths in sizes[::-1]:
+        offsets = np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)]).astype(np.int32)
+        flat = pa.ListArray.from_arrays(pa.array(offsets, pa.int32()), flat)
+    return flat.cast(kind)
+
+
+def _value(kind: str) -> dict[str, str]:
+    return {"dtype": kind, "_type": "Value"}
+
+
+def _json(data: Any) -> bytes:
+    return json.dumps(data, sort_keys=True, separators=(",", ":")).encode()

@@ -1,0 +1,72 @@
+"""Looking at a dataset: its summary, and rows as a contact sheet."""
+
+import json
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from jaxtyping import UInt8
+
+from garmentimage.dataset.build import DATA, SUMMARY_FILE
+from garmentimage.errors import DatasetError
+from garmentimage.files import shown_path
+from garmentimage.pattern.spec import pattern_from_spec
+from garmentimage.raster.image import GarmentImage
+from garmentimage.render.png import contact_sheet
+from garmentimage.render.show import compose, picture_bytes
+
+TILE = 256
+"""Rows of a tile [pixel]."""
+
+
+def summary_of(folder: Path) -> dict[str, Any]:
+    """The summary of a built dataset.
+
+    Raises:
+        DatasetError: there is none.
+    """
+    file = folder / SUMMARY_FILE
+    try:
+        summary = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(summary, dict) or not {"rows", "splits", "failed"} <= summary.keys():
+            raise ValueError
+    except FileNotFoundError:
+        raise DatasetError(
+            f"{shown_path(folder)}: holds no finished dataset; `garmentimage build` makes one"
+        ) from None
+    except (OSError, ValueError):
+        raise DatasetError(f"{shown_path(file)}: cannot be read; build the dataset again") from None
+    return summary
+
+
+def row_sheet(folder: Path, count: int) -> UInt8[np.ndarray, "row col 3"]:
+    """Some rows, evenly spread over all shards: pattern and raster, and pictures beside them.
+
+    Raises:
+        DatasetError: there are no rows, or a shard is damaged.
+    """
+    try:
+        table = pq.read_table(folder / DATA)
+        if not len(table):
+            raise DatasetError(f"{shown_path(folder)}: has no rows")
+        numbers = np.unique(np.linspace(0, len(table) - 1, count).astype(int))
+        rows = table.take(pa.array(numbers)).to_pylist()
+    except (pa.ArrowException, OSError) as error:
+        raise DatasetError(f"{shown_path(folder)}: cannot be read ({error})") from None
+    return contact_sheet([_tile(row) for row in rows], [row["id"] for row in rows], columns=3)
+
+
+def _tile(row: dict[str, Any]) -> UInt8[np.ndarray, "row col 3"]:
+    from PIL import Image
+
+    raster = np.array(row["raster"], np.float32)
+    image = GarmentImage.from_channels(raster.reshape(-1, *raster.shape[2:]))
+    figure = compose([pattern_from_spec(json.loads(row["pattern"])), image])
+    files = [picture_bytes(figure, "png", dpi=60)]
+    files += [cell["bytes"] for name, cell in row.items() if name.startswith("picture_")]
+    pictures = [Image.open(BytesIO(file)).convert("RGB") for file in files]
+    scaled = [p.resize((max(round(p.width * TILE / p.height), 1), TILE)) for p in pictures]
+    return np.concatenate([np.asarray(p) for p in scaled], axis=1)

@@ -1,0 +1,190 @@
+"""Building: the same rows whoever makes them, nothing twice, nothing half-written."""
+
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from garmentimage.cli import main
+from garmentimage.dataset.build import DATA, Build, build, make_shard, plan
+from garmentimage.dataset.recipe import parse_recipe, recipe
+from garmentimage.dataset.row import Failed
+from garmentimage.dataset.shard import failures_of, row_count, shard_bytes
+from garmentimage.dataset.sheet import row_sheet, summary_of
+from garmentimage.errors import DatasetError
+from tests.dataset.test_recipe import GOOD
+
+SMALL = parse_recipe(GOOD.replace('views = ["front"]', "views = []"))
+WITH_PICTURES = parse_recipe(GOOD)
+
+
+def small(folder, count=120, **changes) -> Build:
+    return Build(SMALL, folder, count, **changes)
+
+
+def digests(folder: Path) -> dict[str, str]:
+    return {
+        file.name: hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted((folder / DATA).iterdir())
+    }
+
+
+def test_a_plan_holds_every_row_once_in_its_split():
+    shards = plan(Build(recipe("d2"), Path("x"), 1000))
+    tasks = [task for shard in shards for task in shard.tasks]
+    assert len({task.row_id for task in tasks}) == len(tasks) == 4000
+    assert all(shard.name.startswith(f"{t.split}-") for shard in shards for t in shard.tasks)
+    rows = Counter(task.split for task in tasks)
+    assert rows == {"train": 2700, "validation": 150, "test": 150, "unseen": 1000}
+
+
+def test_a_shard_has_the_same_bytes_every_time_and_tells_what_failed():
+    (shard,) = [s for s in plan(small("x", 20)) if s.name.startswith("validation")]
+    assert make_shard(shard) == make_shard(shard)
+    failed = Failed("id", "drape", "too tight")
+    raw = shard_bytes(SMALL, 16, [], [failed])
+    assert failures_of(raw) == [failed] and row_count(raw) == 0
+    with pytest.raises(DatasetError, match="no shard"):
+        failures_of(b"PAR1")
+
+
+@pytest.mark.slow
+def test_one_worker_and_two_make_the_same_dataset_and_a_third_call_makes_nothing(tmp_path):
+    one, two = tmp_path / "one", tmp_path / "two"
+    build(small(one), workers=1)
+    summary = build(small(two), workers=2)
+    assert digests(one) == digests(two)
+    assert summary == summary_of(two)
+    assert summary["rows"] + sum(summary["failed"].values()) == 240
+    assert {n: s["sha256"] for n, s in summary["shards"].items()} == digests(two)
+    fresh = []
+    build(small(two), progress=lambda done, made_now: fresh.append(made_now))
+    assert fresh and not any(fresh)
+
+
+@pytest.mark.slow
+def test_what_a_killed_build_left_is_gone_on_with(tmp_path):
+    whole, cut = tmp_path / "whole", tmp_path / "cut"
+    build(small(whole))
+    code = (
+        "from tests.dataset.test_build import build, small\n"
+        f"if __name__ == '__main__': build(small({str(cut)!r} and __import__('pathlib').Path("
+        f"{str(cut)!r})), workers=1)"
+    )
+    script = tmp_path / "run.py"
+    script.write_text(code)
+    env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    driver = subprocess.Popen([sys.executable, str(script)], env=env, start_new_session=True)
+    try:
+        limit = time.monotonic() + 120
+        while not list((cut / DATA).glob("*.parquet")) and driver.poll() is None:
+            assert time.monotonic() < limit
+            time.sleep(0.05)
+    finally:
+        if driver.poll() is None:
+            os.killpg(driver.pid, signal.SIGKILL)
+        driver.wait()
+    left = digests(cut)
+    assert left.items() <= digests(whole).items(), "only whole shards are there"
+    build(small(cut))
+    assert digests(cut) == digests(whole)
+
+
+@pytest.mark.slow
+def test_hugging_face_reads_pictures_and_rasters(tmp_path, monkeypatch):
+    monkeypatch.setenv("HF_HOME", str(tmp_path / "hf"))
+    monkeypatch.setenv("HF_HUB_OFFLINE", "1")
+    code = f"""
+import datasets
+found = datasets.load_dataset({str(tmp_path / "set")!r}, cache_dir={str(tmp_path / "cache")!r})
+row = found["train"].with_format("numpy")[0]
+print(sorted(found), row["raster"].shape, row["raster"].dtype, row["picture_front"].shape)
+"""
+    build(Build(WITH_PICTURES, tmp_path / "set", 20), workers=1)
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.split("\n")[0] == (
+        "['test', 'train', 'unseen', 'validation'] (2, 17, 16, 16) float32 (64, 64, 3)"
+    )
+    sheet = row_sheet(tmp_path / "set", 4)
+    assert sheet.shape[0] > 256 and sheet.std() > 10
+
+
+def test_a_folder_of_another_dataset_is_left_alone(tmp_path):
+    (tmp_path / "build.json").write_text(json.dumps({**small(tmp_path).identity(), "seed": 9}))
+    with pytest.raises(DatasetError, match="holds a dataset of seed 9, not 0"):
+        build(small(tmp_path))
+    (tmp_path / "build.json").write_text("{")
+    with pytest.raises(DatasetError, match="is damaged"):
+        build(small(tmp_path))
+
+
+def test_counts_and_folders_that_will_not_do_are_refused(tmp_path):
+    with pytest.raises(DatasetError, match="0 rows a type; give 1 to"):
+        plan(small(tmp_path, 0))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(DatasetError, match="cannot be used"):
+        build(small(tmp_path / "file" / "set"))
+    with pytest.raises(DatasetError, match="holds no finished dataset"):
+        summary_of(tmp_path)
+
+
+def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
+    import distributed
+
+    def refuse(*_, **__):
+        raise OSError
+
+    monkeypatch.setattr(distributed, "Client", refuse)
+    with pytest.raises(DatasetError, match="does not answer"):
+        build(small(tmp_path, 5), scheduler="tcp://127.0.0.1:1")
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("d3", "-o", "x"), "there is no recipe 'd3'"),
+        (("d2",), "name a folder"),
+        (("d2", "-o", "x", "--preset", "huge"), "no preset 'huge'; choose paper or laptop"),
+        (("d2", "-o", "x", "--count", "0"), "0 rows a type"),
+        (("d2", "-o", "x", "--workers", "0"), "--workers is 0"),
+        (("d2", "-o", "x", "--grid", "3"), "--grid is 3"),
+    ],
+)
+def test_a_wrong_build_is_one_sentence(capsys, tmp_path, monkeypatch, words, sentence):
+    monkeypatch.chdir(tmp_path)
+    assert main(["build", *words]) == 2
+    assert sentence in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_lists_recipes_and_describes_datasets(capsys, tmp_path):
+    assert main(["build", "list"]) == 0
+    assert "d2" in capsys.readouterr().out
+    assert main(["dataset", str(tmp_path)]) == 2
+    (tmp_path / "summary.json").write_text(
+        json.dumps({"rows": 3, "splits": {"train": 3}, "failed": {"drape: it is too tight": 1}})
+    )
+    assert main(["dataset", str(tmp_path)]) == 0
+    said = capsys.readouterr()
+    assert "3 rows of 4 drawn, train 3" in said.out and "too tight: 1" in said.err
+
+
+def test_rasters_keep_their_numbers(tmp_path):
+    import pyarrow.parquet as pq
+
+    (shard,) = [s for s in plan(small("x", 20)) if s.name.startswith("test")]
+    (tmp_path / shard.name).write_bytes(make_shard(shard))
+    row = pq.read_table(tmp_path / shard.name).to_pylist()[0]
+    from garmentimage.dataset.row import make_row
+
+    made = make_row(replace(shard.tasks[0]))
+    np.testing.assert_array_equal(np.array(row["raster"], np.float32), made["raster"])
