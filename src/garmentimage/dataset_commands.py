@@ -142,5 +142,5 @@ def _need_extra() -> None:
     for name in ("pyarrow", "distributed"):
         if find_spec(name) is None:
             raise DatasetError(
-                f"datasets need {name}; install it with `pip install 'garmentimage[data]'`"
+                f"datasets need {name}; install it with `pip install -e '.[data]'`"
             )
