@@ -67,7 +67,7 @@ def run_build(options: argparse.Namespace) -> Exit:
             number = done.rows + len(done.failed)
             if fresh:
                 bar.update(number)
-            else:
+            elif not bar.disable:  # What was there before does not count for the rate.
                 bar.initial += number
                 bar.n += number
                 bar.refresh()
@@ -141,6 +141,4 @@ def _need_extra() -> None:
 
     for name in ("pyarrow", "distributed"):
         if find_spec(name) is None:
-            raise DatasetError(
-                f"datasets need {name}; install it with `pip install -e '.[data]'`"
-            )
+            raise DatasetError(f"datasets need {name}; install it with `pip install -e '.[data]'`")

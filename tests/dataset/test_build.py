@@ -20,7 +20,8 @@ from garmentimage.dataset.recipe import parse_recipe, recipe
 from garmentimage.dataset.row import Failed
 from garmentimage.dataset.shard import failures_of, row_count, shard_bytes
 from garmentimage.dataset.sheet import row_sheet, summary_of
-from garmentimage.errors import DatasetError
+from garmentimage.errors import DatasetError, OutputError
+from garmentimage.files import write_atomically
 from tests.dataset.test_recipe import GOOD
 
 SMALL = parse_recipe(GOOD.replace('views = ["front"]', "views = []"))
@@ -69,6 +70,41 @@ def test_one_worker_and_two_make_the_same_dataset_and_a_third_call_makes_nothing
     fresh = []
     build(small(two), progress=lambda done, made_now: fresh.append(made_now))
     assert fresh and not any(fresh)
+
+
+@pytest.mark.slow
+def test_workers_of_another_scheduler_make_the_same_rows(tmp_path):
+    from distributed import LocalCluster
+
+    build(small(tmp_path / "here", 40), workers=1)
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+    ) as cluster:
+        build(small(tmp_path / "there", 40), scheduler=cluster.scheduler_address)
+    assert digests(tmp_path / "here") == digests(tmp_path / "there")
+
+
+@pytest.mark.slow
+def test_a_full_disk_keeps_what_was_finished(tmp_path, monkeypatch):
+    written = []
+
+    def full(path, data):
+        if written:
+            raise OutputError(f"{path}: cannot be written (No space left on device)")
+        written.append(path)
+        write_atomically(path, data)
+
+    build(small(tmp_path / "whole", 40), workers=1)
+    (tmp_path / "set").mkdir()
+    what = small(tmp_path / "set", 40)
+    (tmp_path / "set" / "build.json").write_text(json.dumps(what.identity()))
+    monkeypatch.setattr("garmentimage.dataset.build.write_atomically", full)
+    with pytest.raises(OutputError, match="No space left"):
+        build(what, workers=1)
+    monkeypatch.undo()
+    assert len(digests(tmp_path / "set")) == 1
+    build(what, workers=1)
+    assert digests(tmp_path / "set") == digests(tmp_path / "whole")
 
 
 @pytest.mark.slow
@@ -176,6 +212,17 @@ def test_the_command_lists_recipes_and_describes_datasets(capsys, tmp_path):
     assert main(["dataset", str(tmp_path)]) == 0
     said = capsys.readouterr()
     assert "3 rows of 4 drawn, train 3" in said.out and "too tight: 1" in said.err
+
+
+@pytest.mark.slow
+def test_the_command_builds_and_goes_on(capsys, tmp_path):
+    words = ["build", "vae-topology", "--count", "5", "--workers", "1", "-o", str(tmp_path / "set")]
+    assert main(words) == 0
+    first = digests(tmp_path / "set")
+    (tmp_path / "set" / DATA / next(iter(first))).unlink()
+    assert main(words) == 0
+    assert digests(tmp_path / "set") == first
+    assert capsys.readouterr().out.count("20 rows of 20 drawn") == 2
 
 
 def test_rasters_keep_their_numbers(tmp_path):
