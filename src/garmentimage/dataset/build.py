@@ -10,8 +10,12 @@ Words of this file:
 
 import hashlib
 import json
+import logging
+import signal
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -219,13 +223,15 @@ def _client(scheduler: str | None, workers: int) -> Any:
     from distributed import Client, LocalCluster
 
     if scheduler is None:
-        cluster = LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            memory_limit=0,
-            dashboard_address=None,
-            host="127.0.0.1",
-        )
+        with _deaf_children():
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                memory_limit=0,
+                dashboard_address="127.0.0.1:0",
+                host="127.0.0.1",
+                silence_logs=logging.CRITICAL,
+            )
         return _Both(Client(cluster), cluster)
     try:
         return Client(scheduler, timeout="20s")
@@ -234,6 +240,19 @@ def _client(scheduler: str | None, workers: int) -> Any:
             f"the scheduler {scheduler} does not answer ({type(error).__name__}); start one with "
             "`dask scheduler`, and workers with `dask worker`"
         ) from None
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Processes started inside do not hear Ctrl-C: the driver stops them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 class _Both:
