@@ -1,0 +1,118 @@
+"""Rows of a dataset as a stream for PyTorch: a little of it in memory at any time."""
+
+from collections.abc import Collection, Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import torch
+from torch.utils.data import IterableDataset, get_worker_info
+
+from garmentimage.dataset.build import DATA
+from garmentimage.errors import DatasetError
+from garmentimage.files import shown_path
+
+CHANNELS = 17
+"""Of a layer."""
+
+
+class RowStream(IterableDataset):
+    """The rows of a split, for a `DataLoader` with any number of workers.
+
+    Each row is a dict: `raster` a float32 tensor (layer, 17, N, N), pictures uint8 tensors
+    (3, row, col), `panels` a uint8 tensor (row, col), all else as it is in the dataset.
+
+    Args:
+        folder: what `garmentimage build` wrote.
+        split: `train`, `validation`, `test` or `unseen`.
+        columns: those to read; all where none are named.
+        without: types to leave out, as one is in `leave-one-out`.
+        only: types to read; all where none are named.
+        seed: shuffles row groups and the rows in each; the same seed and epoch give the same
+            order. In the order of the dataset without.
+
+    Raises:
+        DatasetError: there is no such split, or a column that it does not have.
+    """
+
+    def __init__(
+        self,
+        folder: str | Path,
+        split: str = "train",
+        *,
+        columns: Collection[str] = (),
+        without: Collection[str] = (),
+        only: Collection[str] = (),
+        seed: int | None = None,
+    ) -> None:
+        super().__init__()
+        files = sorted((Path(folder) / DATA).glob(f"{split}-*.parquet"))
+        if not files:
+            raise DatasetError(f"{shown_path(folder)}: has no split {split!r}; build it first")
+        self.columns = tuple(columns) or tuple(pq.read_schema(files[0]).names)
+        for name in self.columns:
+            if name not in pq.read_schema(files[0]).names:
+                raise DatasetError(f"{shown_path(folder)}: has no column {name!r}")
+        self.without, self.only = frozenset(without), frozenset(only)
+        self.seed, self.epoch = seed, 0
+        self.groups = [
+            (file, k) for file in files for k in range(pq.read_metadata(file).num_row_groups)
+        ]
+
+    def set_epoch(self, epoch: int) -> None:
+        """Another order of the same rows."""
+        self.epoch = epoch
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        order, info = list(range(len(self.groups))), get_worker_info()
+        if self.seed is not None:
+            np.random.default_rng([self.seed, self.epoch]).shuffle(order)
+        if info is not None:
+            order = order[info.id :: info.num_workers]
+        for number in order:
+            file, group = self.groups[number]
+            table = pq.ParquetFile(file).read_row_group(group, [*{*self.columns, "type"}])
+            yield from self._rows(table, number)
+
+    def _rows(self, table: pa.Table, number: int) -> Iterator[dict[str, Any]]:
+        types = table["type"].to_pylist()
+        wanted = [
+            k
+            for k, name in enumerate(types)
+            if name not in self.without and (not self.only or name in self.only)
+        ]
+        if self.seed is not None:
+            np.random.default_rng([self.seed, self.epoch, number]).shuffle(wanted)
+        rasters = _rasters(table["raster"]) if "raster" in self.columns else []
+        plain = table.drop_columns(["raster"]) if rasters else table
+        for k in wanted:
+            row = plain.slice(k, 1).to_pylist()[0]
+            row = {name: _tensor(name, row[name]) for name in self.columns if name in row}
+            yield row | ({"raster": torch.from_numpy(rasters[k])} if rasters else {})
+
+
+def _rasters(column: pa.ChunkedArray) -> list[np.ndarray]:
+    """The rasters of some rows, without making a Python object of every number."""
+    lists = column.combine_chunks()
+    layers = lists.value_lengths().to_numpy(zero_copy_only=False)
+    numbers = lists
+    for _ in range(4):
+        numbers = numbers.flatten()
+    values = numbers.to_numpy(zero_copy_only=False)
+    grid = round((len(values) / layers.sum() / CHANNELS) ** 0.5)
+    ends = np.cumsum(layers) * CHANNELS * grid * grid
+    return [part.reshape(-1, CHANNELS, grid, grid).copy() for part in np.split(values, ends[:-1])]
+
+
+def _tensor(name: str, value: Any) -> Any:
+    if not isinstance(value, dict) or "bytes" not in value:
+        return value
+    from PIL import Image
+
+    picture = Image.open(BytesIO(value["bytes"]))
+    if name == "panels":
+        return torch.from_numpy(np.array(picture))
+    return torch.from_numpy(np.array(picture.convert("RGB"))).permute(2, 0, 1).contiguous()

@@ -1,0 +1,70 @@
+"""Streaming rows into PyTorch: every row once, on any number of workers."""
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from garmentimage.dataset.build import DATA, Build, make_shard, plan  # noqa: E402
+from garmentimage.dataset.stream import RowStream  # noqa: E402
+from garmentimage.errors import DatasetError  # noqa: E402
+from tests.dataset.test_build import SMALL, WITH_PICTURES  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("set")
+    (place / DATA).mkdir()
+    for shard in plan(Build(SMALL, place, 130)):
+        if shard.name.startswith(("train", "unseen")):
+            (place / DATA / shard.name).write_bytes(make_shard(shard))
+    return place
+
+
+def ids(stream, **options) -> list[str]:
+    loader = torch.utils.data.DataLoader(stream, batch_size=None, **options)
+    return [row["id"] for row in loader]
+
+
+@pytest.mark.slow
+def test_every_row_comes_once_on_any_number_of_workers(folder):
+    stream = RowStream(folder, columns=["id"])
+    alone = ids(stream)
+    assert len(set(alone)) == len(alone) == 118
+    assert sorted(ids(stream, num_workers=2)) == sorted(alone)
+
+
+@pytest.mark.slow
+def test_a_seed_gives_an_order_and_each_epoch_another(folder):
+    stream = RowStream(folder, columns=["id"], seed=3)
+    first = ids(stream)
+    assert ids(stream) == first != sorted(first)
+    stream.set_epoch(1)
+    assert ids(stream) != first and sorted(ids(stream)) == sorted(first)
+
+
+@pytest.mark.slow
+def test_rasters_are_tensors_and_types_can_be_left_out(folder):
+    row = next(iter(RowStream(folder, columns=["raster", "captions"])))
+    assert row["raster"].shape == (2, 17, 16, 16) and row["raster"].dtype == torch.float32
+    assert len(row["captions"]) == 3 and set(row) == {"raster", "captions"}
+    assert not list(RowStream(folder, without=["tank"]))
+    assert len(list(RowStream(folder, "unseen", columns=["id"], only=["skirt"]))) == 130
+
+
+@pytest.mark.slow
+def test_pictures_are_tensors_of_bytes(tmp_path):
+    (tmp_path / DATA).mkdir()
+    (shard,) = [s for s in plan(Build(WITH_PICTURES, tmp_path, 20)) if s.name.startswith("test")]
+    (tmp_path / DATA / shard.name).write_bytes(make_shard(shard))
+    row = next(iter(RowStream(tmp_path, "test")))
+    assert row["picture_front"].shape == (3, 64, 64) and row["picture_front"].dtype == torch.uint8
+    assert row["panels"].shape == (64, 64)
+    assert set(np.unique(row["panels"].numpy())) >= {0, 1, 2}
+
+
+def test_what_is_not_there_is_told(tmp_path, folder):
+    with pytest.raises(DatasetError, match="has no split 'train'; build it first"):
+        RowStream(tmp_path)
+    with pytest.raises(DatasetError, match="has no column 'picture'"):
+        RowStream(folder, columns=["picture"])
