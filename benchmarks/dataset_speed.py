@@ -10,7 +10,6 @@ rows a type, of a recipe without pictures.
 
 import argparse
 import json
-import resource
 import shutil
 import subprocess
 import sys
@@ -29,13 +28,14 @@ OVERHEAD_COUNT = 100
 def peak_mb(name: str, folder: Path, count: int) -> float:
     """Greatest resident size of a driver in a process of its own [MB]."""
     code = (
-        "import sys, resource\n"
+        "import re\n"
         "from pathlib import Path\n"
         "from garmentimage.dataset.build import Build, build\n"
         "from garmentimage.dataset.recipe import recipe\n"
         "if __name__ == '__main__':\n"
         f"    build(Build(recipe({name!r}), Path({str(folder)!r}), {count}))\n"
-        "    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)\n"
+        "    told = Path('/proc/self/status').read_text()\n"
+        "    print(int(re.search(r'VmHWM:\\s+(\\d+)', told).group(1)) / 1024)\n"
     )
     script = folder.with_suffix(".py")
     script.write_text(code)
@@ -85,7 +85,6 @@ def main() -> int:
         rows = count * len(recipe("vae-topology").types)
         peak = peak_mb("vae-topology", args.folder / f"memory-{times}", count)
         result[f"driver_mb_{rows}_rows"] = round(peak, 1)
-    result["own_mb"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, 1)
     print(json.dumps(result, indent=1))
     if args.out:
         args.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
