@@ -111,11 +111,12 @@ def test_a_full_disk_keeps_what_was_finished(tmp_path, monkeypatch):
 def test_what_a_killed_build_left_is_gone_on_with(tmp_path):
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     build(small(whole))
-    code = (
-        "from tests.dataset.test_build import build, small\n"
-        f"if __name__ == '__main__': build(small({str(cut)!r} and __import__('pathlib').Path("
-        f"{str(cut)!r})), workers=1)"
-    )
+    code = f"""
+from pathlib import Path
+from tests.dataset.test_build import build, small
+if __name__ == "__main__":
+    build(small(Path({str(cut)!r})), workers=1)
+"""
     script = tmp_path / "run.py"
     script.write_text(code)
     env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
