@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
+import torch
 
-torch = pytest.importorskip("torch")
-
-from garmentimage.dataset.build import DATA, Build, make_shard, plan  # noqa: E402
-from garmentimage.dataset.stream import RowStream  # noqa: E402
-from garmentimage.errors import DatasetError  # noqa: E402
-from tests.dataset.test_build import SMALL, WITH_PICTURES  # noqa: E402
+from garmentimage.dataset.build import DATA, Build, make_shard, plan
+from garmentimage.dataset.stream import RowStream
+from garmentimage.errors import DatasetError
+from tests.dataset.test_build import SMALL, WITH_PICTURES
 
 
 @pytest.fixture(scope="module")
