@@ -1,18 +1,16 @@
 """Where a figure comes from: commit, date, and a hash of the pattern files."""
 
 import hashlib
-import subprocess
 from datetime import UTC, datetime
 from pathlib import Path
+
+from garmentimage.provenance import source_commit
 
 
 def provenance(paths: list[Path]) -> dict[str, str]:
     """Commit, date and data hash, to be kept with a result."""
-    commit = subprocess.run(
-        ["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
     return {
-        "commit": commit,
+        "commit": source_commit(),
         "date": datetime.now(UTC).date().isoformat(),
         "data_sha256": data_hash(paths),
     }

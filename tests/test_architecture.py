@@ -17,6 +17,7 @@ SOURCE = ROOT / "src" / "garmentimage"
 ROOMS = (
     {"errors"},
     {"files"},
+    {"provenance"},
     {"geometry"},
     {"pattern"},
     {"body"},

@@ -11,7 +11,7 @@ from garmentimage.files import check_output, shown_path, write_atomically
 from garmentimage.terminal import Exit, list_facts, print_json, say, whole_number
 
 if TYPE_CHECKING:
-    from garmentimage.dataset.build import Done
+    from garmentimage.dataset.build import Build, Done
 
 PRESET = "laptop"
 SHEET_ROWS = 12
@@ -77,10 +77,17 @@ def run_build(options: argparse.Namespace) -> Exit:
             scheduler=options.scheduler,
             workers=options.workers,
             progress=progress,
-            command=shlex.join(["garmentimage", *sys.argv[1:]]),
+            command=_command(what),
         )
     _tell(options, options.out, summary)
     return Exit.OK
+
+
+def _command(what: "Build") -> str:
+    """The command that makes the same rows again."""
+    options = {"--count": what.count, "--seed": what.seed, "--grid": what.grid, "-o": what.folder}
+    words = (str(word) for option in options.items() for word in option)
+    return shlex.join(["garmentimage", "build", what.recipe.name, *words])
 
 
 def dataset_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,12 +1,10 @@
 """The card of a dataset: what it holds and how it was made, as Hugging Face shows it."""
 
-import platform
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from garmentimage.dataset.recipe import Recipe
+from garmentimage.provenance import source_commit, versions
 
-PACKAGES = ("garmentimage", "numpy", "numba", "scipy", "shapely", "pillow", "pyarrow")
 COLUMNS = {
     "id": "name of the row",
     "recipe, version, seed, index": "what it was made from",
@@ -30,6 +28,7 @@ def card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
         f"  - split: {split}\n    path: data/{split}-*.parquet\n" for split in summary["splits"]
     )
     columns = COLUMNS | (PICTURE_COLUMNS if recipe.views else {})
+    commit = source_commit()
     types = [f"| {t.name} | {t.kind} | {'' if t.seen else 'unseen'} |" for t in recipe.types]
     failed = [f"| {cause} | {n} |" for cause, n in summary["failed"].items()]
     head = ["| drawn, but no row because of | rows |", "|---|---|"]
@@ -58,7 +57,8 @@ configs:
 
 {_lines([*head, *failed, ""] if failed else [])}
 Made by `{command or "garmentimage.dataset.build"}`, recipe version {recipe.version}, seed \
-{summary["seed"]}, N = {summary["grid"]}, with {", ".join(_versions())}.
+{summary["seed"]}, N = {summary["grid"]}, with \
+{", ".join([*versions("pyarrow"), *([f"commit {commit}"] if commit else [])])}.
 The same command makes the same rows again; `summary.json` has the sha256 of every shard.
 """
 
@@ -69,13 +69,3 @@ def _table(columns: dict[str, str]) -> str:
 
 def _lines(lines: list[str]) -> str:
     return "\n".join(lines)
-
-
-def _versions() -> list[str]:
-    found = [f"Python {platform.python_version()}"]
-    for name in PACKAGES:
-        try:
-            found.append(f"{name} {version(name)}")
-        except PackageNotFoundError:
-            continue
-    return found

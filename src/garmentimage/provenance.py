@@ -1,0 +1,42 @@
+"""Where a result comes from: the commit of this package, and the versions of what it stands on."""
+
+import platform
+import subprocess
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+PACKAGES = ("garmentimage", "numpy", "numba", "scipy", "shapely", "pillow")
+
+
+def source_commit() -> str:
+    """The commit of the clone that this package runs from; empty where it is no clone.
+
+    `+changed` follows where source files differ from the commit.
+    """
+    here = Path(__file__).parent
+    commit = _git(here, "rev-parse", "HEAD")
+    if not commit or _git(here, "ls-files", "--error-unmatch", Path(__file__).name) is None:
+        return ""
+    return commit + ("+changed" if _git(here, "status", "--porcelain", ".") else "")
+
+
+def versions(*more: str) -> list[str]:
+    """Python and the packages that results depend on, with these too: `numpy 2.4.6`."""
+    found = [f"Python {platform.python_version()}"]
+    for name in (*PACKAGES, *more):
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _git(folder: Path, *words: str) -> str | None:
+    """What git prints, or None where it fails."""
+    try:
+        done = subprocess.run(
+            ["git", "-C", folder, *words], capture_output=True, text=True, check=False, timeout=20
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip() if done.returncode == 0 else None
