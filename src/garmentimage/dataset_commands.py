@@ -60,7 +60,7 @@ def run_build(options: argparse.Namespace) -> Exit:
 
     count = chosen.presets[options.preset] if options.count is None else options.count
     what = Build(chosen, options.out, count, options.seed, options.grid)
-    rows = sum(len(shard.tasks) for shard in plan(what))
+    rows = sum(len(shard.places) for shard in plan(what))
     with tqdm(total=rows, unit="row", disable=None, file=sys.stderr, smoothing=0.05) as bar:
 
         def progress(done: "Done", fresh: bool) -> None:

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from garmentimage.dataset.card import card
-from garmentimage.dataset.recipe import SPLITS, Recipe
+from garmentimage.dataset.recipe import PERIOD, SPLITS, Recipe
 from garmentimage.dataset.row import SCHEMA, Failed, Task, make_row
 from garmentimage.dataset.shard import failures_of, row_count, shard_bytes
 from garmentimage.errors import DatasetError
@@ -63,10 +63,22 @@ class Build:
 
 @dataclass(frozen=True)
 class Shard:
-    """Some rows of one split."""
+    """Some rows of one split, told by where they stand in it."""
 
     name: str
-    tasks: tuple[Task, ...]
+    build: Build
+    split: str
+    places: range
+
+    @property
+    def tasks(self) -> list[Task]:
+        """Its rows; types take turns."""
+        what, block = self.build, _block(self.build.recipe, self.split)
+        turns = ((place // len(block), block[place % len(block)]) for place in self.places)
+        return [
+            Task(what.recipe, what.seed, what.grid, number, turn * PERIOD + index)
+            for turn, (index, number) in turns
+        ]
 
 
 @dataclass(frozen=True)
@@ -90,19 +102,27 @@ def plan(build: Build) -> tuple[Shard, ...]:
         raise DatasetError(
             f"{build.count} rows a type; give 1 to {MOST_ROWS // len(types)} with this recipe"
         )
-    of_split: dict[str, list[Task]] = {name: [] for name in SPLITS}
-    for index in range(build.count):
-        for number in range(len(types)):
-            task = Task(build.recipe, build.seed, build.grid, number, index)
-            of_split[task.split].append(task)
     shards = []
-    for split, tasks in of_split.items():
-        parts = [tasks[k : k + SHARD_ROWS] for k in range(0, len(tasks), SHARD_ROWS)]
+    for split in SPLITS:
+        block = _block(build.recipe, split)
+        whole, rest = divmod(build.count, PERIOD)
+        rows = whole * len(block) + sum(index < rest for index, _ in block)
+        parts = [range(k, min(k + SHARD_ROWS, rows)) for k in range(0, rows, SHARD_ROWS)]
         shards += [
-            Shard(f"{split}-{k:05d}-of-{len(parts):05d}.parquet", tuple(part))
-            for k, part in enumerate(parts)
+            Shard(f"{split}-{k:05d}-of-{len(parts):05d}.parquet", build, split, places)
+            for k, places in enumerate(parts)
         ]
     return tuple(shards)
+
+
+def _block(recipe: Recipe, split: str) -> list[tuple[int, int]]:
+    """Numbers and types of the rows of a split, among the first `PERIOD` of every type."""
+    return [
+        (index, number)
+        for index in range(PERIOD)
+        for number, each in enumerate(recipe.types)
+        if recipe.split(each, index) == split
+    ]
 
 
 def make_shard(shard: Shard) -> bytes:
@@ -110,8 +130,7 @@ def make_shard(shard: Shard) -> bytes:
     made = [make_row(task) for task in shard.tasks]
     rows = [row for row in made if not isinstance(row, Failed)]
     failed = [row for row in made if isinstance(row, Failed)]
-    first = shard.tasks[0]
-    return shard_bytes(first.recipe, first.grid, rows, failed)
+    return shard_bytes(shard.build.recipe, shard.build.grid, rows, failed)
 
 
 def build(

@@ -29,6 +29,8 @@ from garmentimage.render.tint import Tint, rgb
 SPLITS = ("train", "validation", "test", "unseen")
 SHARES = (0.9, 0.05, 0.05)
 """Shares of the rows of a seen type that are for training, validation and test."""
+PERIOD = 20
+"""Of so many rows of a type in order, the shares are taken: the same ones of every so many."""
 LOOKS = ("plain", "random")
 PICTURE_SIZES = (16, 1024)
 _TYPE_KEYS = {"name", "kind", "fixed", "seen"}
@@ -81,8 +83,8 @@ class Recipe:
         """
         if not of.seen:
             return "unseen"
-        places = np.cumsum(np.rint(20 * np.array(SHARES))).astype(int)
-        return SPLITS[int(np.searchsorted(places, index % 20, side="right"))]
+        places = np.cumsum(np.rint(PERIOD * np.array(SHARES))).astype(int)
+        return SPLITS[int(np.searchsorted(places, index % PERIOD, side="right"))]
 
     def wearers(self, split: str) -> tuple[str, ...]:
         """Who may wear the rows of a split."""
