@@ -63,7 +63,7 @@ def test_pictures_are_tensors_of_bytes(tmp_path):
 
 
 def test_what_is_not_there_is_told(tmp_path, folder):
-    with pytest.raises(DatasetError, match="has no split 'train'; build it first"):
+    with pytest.raises(DatasetError, match="has no split 'train'; `garmentimage build`"):
         RowStream(tmp_path)
     with pytest.raises(DatasetError, match="has no column 'picture'"):
         RowStream(folder, columns=["picture"])

@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 from jaxtyping import UInt8
 
-from garmentimage.dataset.build import DATA, SUMMARY_FILE
+from garmentimage.dataset.build import SUMMARY_FILE
+from garmentimage.dataset.read import row_count, rows_at, shard_files
 from garmentimage.errors import DatasetError
 from garmentimage.files import shown_path
 from garmentimage.pattern.spec import pattern_from_spec
@@ -48,14 +47,10 @@ def row_sheet(folder: Path, count: int) -> UInt8[np.ndarray, "row col 3"]:
     Raises:
         DatasetError: there are no rows, or a shard is damaged.
     """
-    try:
-        table = pq.read_table(folder / DATA)
-        if not len(table):
-            raise DatasetError(f"{shown_path(folder)}: has no rows")
-        numbers = np.unique(np.linspace(0, len(table) - 1, count).astype(int))
-        rows = table.take(pa.array(numbers)).to_pylist()
-    except (pa.ArrowException, OSError) as error:
-        raise DatasetError(f"{shown_path(folder)}: cannot be read ({error})") from None
+    total = sum(row_count(file) for file in shard_files(folder))
+    if not total:
+        raise DatasetError(f"{shown_path(folder)}: has no rows")
+    rows = rows_at(folder, np.linspace(0, total - 1, count).astype(int).tolist())
     return contact_sheet([_tile(row) for row in rows], [row["id"] for row in rows], columns=3)
 
 

@@ -7,16 +7,12 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 import torch
 from torch.utils.data import IterableDataset, get_worker_info
 
-from garmentimage.dataset.build import DATA
-from garmentimage.errors import DatasetError
+from garmentimage.dataset.read import column_names, rasters, row_group, row_groups, shard_files
+from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path
-
-CHANNELS = 17
-"""Of a layer."""
 
 
 class RowStream(IterableDataset):
@@ -49,18 +45,15 @@ class RowStream(IterableDataset):
         seed: int | None = None,
     ) -> None:
         super().__init__()
-        files = sorted((Path(folder) / DATA).glob(f"{split}-*.parquet"))
-        if not files:
-            raise DatasetError(f"{shown_path(folder)}: has no split {split!r}; build it first")
-        self.columns = tuple(columns) or tuple(pq.read_schema(files[0]).names)
+        files = shard_files(folder, split)
+        there = column_names(files[0])
+        self.columns = tuple(columns) or tuple(there)
         for name in self.columns:
-            if name not in pq.read_schema(files[0]).names:
-                raise DatasetError(f"{shown_path(folder)}: has no column {name!r}")
+            if name not in there:
+                raise DatasetError(f"{shown_path(folder)}: has no column {quoted(name)}")
         self.without, self.only = frozenset(without), frozenset(only)
         self.seed, self.epoch = seed, 0
-        self.groups = [
-            (file, k) for file in files for k in range(pq.read_metadata(file).num_row_groups)
-        ]
+        self.groups = [(file, k) for file in files for k in range(row_groups(file))]
 
     def set_epoch(self, epoch: int) -> None:
         """Another order of the same rows."""
@@ -74,7 +67,7 @@ class RowStream(IterableDataset):
             order = order[info.id :: info.num_workers]
         for number in order:
             file, group = self.groups[number]
-            table = pq.ParquetFile(file).read_row_group(group, [*{*self.columns, "type"}])
+            table = row_group(file, group, [*{*self.columns, "type"}])
             yield from self._rows(table, number)
 
     def _rows(self, table: pa.Table, number: int) -> Iterator[dict[str, Any]]:
@@ -86,25 +79,12 @@ class RowStream(IterableDataset):
         ]
         if self.seed is not None:
             np.random.default_rng([self.seed, self.epoch, number]).shuffle(wanted)
-        rasters = _rasters(table["raster"]) if "raster" in self.columns else []
-        plain = table.drop_columns(["raster"]) if rasters else table
+        images = rasters(table["raster"]) if "raster" in self.columns else []
+        plain = table.drop_columns(["raster"]) if images else table
         for k in wanted:
             row = plain.slice(k, 1).to_pylist()[0]
             row = {name: _tensor(name, row[name]) for name in self.columns if name in row}
-            yield row | ({"raster": torch.from_numpy(rasters[k])} if rasters else {})
-
-
-def _rasters(column: pa.ChunkedArray) -> list[np.ndarray]:
-    """The rasters of some rows, without making a Python object of every number."""
-    lists = column.combine_chunks()
-    layers = lists.value_lengths().to_numpy(zero_copy_only=False)
-    numbers = lists
-    for _ in range(4):
-        numbers = numbers.flatten()
-    values = numbers.to_numpy(zero_copy_only=False)
-    grid = round((len(values) / layers.sum() / CHANNELS) ** 0.5)
-    ends = np.cumsum(layers) * CHANNELS * grid * grid
-    return [part.reshape(-1, CHANNELS, grid, grid).copy() for part in np.split(values, ends[:-1])]
+            yield row | ({"raster": torch.from_numpy(images[k].copy())} if images else {})
 
 
 def _tensor(name: str, value: Any) -> Any:

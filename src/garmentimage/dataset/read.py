@@ -1,0 +1,125 @@
+"""Reading built datasets: shards of a split, rows by number, rasters as arrays."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from jaxtyping import Float32
+
+from garmentimage.dataset.build import DATA
+from garmentimage.dataset.recipe import SPLITS
+from garmentimage.errors import DatasetError, quoted
+from garmentimage.files import shown_path
+from garmentimage.raster.image import CHANNELS_PER_LAYER
+
+
+def shard_files(folder: str | Path, split: str | None = None) -> list[Path]:
+    """The shards of a split, or of all, in order.
+
+    Raises:
+        DatasetError: there are none.
+    """
+    if split is not None and split not in SPLITS:
+        raise DatasetError(f"there is no split {quoted(split)}; choose {', '.join(SPLITS)}")
+    files = sorted((Path(folder) / DATA).glob(f"{split or '*'}-*.parquet"))
+    if not files:
+        what = f"split {quoted(split)}" if split else "shards"
+        raise DatasetError(f"{shown_path(folder)}: has no {what}; `garmentimage build` makes one")
+    return files
+
+
+def tables(
+    folder: str | Path, split: str | None, columns: Sequence[str] | None = None
+) -> Iterator[pa.Table]:
+    """Rows of a split, one shard at a time.
+
+    Raises:
+        DatasetError: there are none, a column is not there, or a shard is damaged.
+    """
+    for file in shard_files(folder, split):
+        yield _read(file, lambda shard: shard.read(columns), columns)
+
+
+def rows_at(folder: str | Path, numbers: Sequence[int]) -> list[dict[str, Any]]:
+    """Rows by their number in all shards; only what holds them is read.
+
+    Raises:
+        DatasetError: there are no such rows, or a shard is damaged.
+    """
+    wanted, rows, first = sorted(set(numbers)), [], 0
+    for file in shard_files(folder):
+        last = first + row_count(file)
+        here = [number - first for number in wanted if first <= number < last]
+        if here:
+            rows += _read(file, lambda shard: shard.read()).take(pa.array(here)).to_pylist()
+        first = last
+    if len(rows) < len(wanted):
+        raise DatasetError(f"{shown_path(folder)}: has {first} rows")
+    return rows
+
+
+def row_count(file: Path) -> int:
+    """Rows of a shard.
+
+    Raises:
+        DatasetError: it is damaged.
+    """
+    return _read(file, lambda shard: shard.metadata.num_rows)
+
+
+def column_names(file: Path) -> list[str]:
+    """Columns of a shard.
+
+    Raises:
+        DatasetError: it is damaged.
+    """
+    return _read(file, lambda shard: list(shard.schema_arrow.names))
+
+
+def row_groups(file: Path) -> int:
+    """Groups of rows of a shard that are read at a time.
+
+    Raises:
+        DatasetError: it is damaged.
+    """
+    return _read(file, lambda shard: shard.num_row_groups)
+
+
+def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
+    """One group of rows.
+
+    Raises:
+        DatasetError: the shard is damaged.
+    """
+    return _read(file, lambda shard: shard.read_row_group(number, list(columns)))
+
+
+def rasters(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row col"]]:
+    """The rasters of some rows, without making a Python object of every number."""
+    lists = column.combine_chunks()
+    layers = lists.value_lengths().to_numpy(zero_copy_only=False)
+    numbers = lists
+    for _ in range(4):
+        numbers = numbers.flatten()
+    values = numbers.to_numpy(zero_copy_only=False)
+    grid = round((len(values) / max(layers.sum(), 1) / CHANNELS_PER_LAYER) ** 0.5)
+    ends = np.cumsum(layers) * CHANNELS_PER_LAYER * grid * grid
+    parts = np.split(values, ends[:-1]) if len(layers) else []
+    return [part.reshape(-1, CHANNELS_PER_LAYER, grid, grid) for part in parts]
+
+
+def _read(file: Path, what: Any, columns: Sequence[str] | None = None) -> Any:
+    try:
+        with pq.ParquetFile(file) as shard:
+            for name in columns or ():
+                if name not in shard.schema_arrow.names:
+                    raise DatasetError(f"{shown_path(file)}: has no column {quoted(name)}")
+            return what(shard)
+    except (pa.ArrowException, OSError) as error:
+        reason = str(error).splitlines()[0][:100]
+        raise DatasetError(
+            f"{shown_path(file)}: is damaged ({reason}); remove it and build again"
+        ) from None
