@@ -1,0 +1,1 @@
+"""Networks on GarmentImages and on vectors, and their training. Needs torch."""
