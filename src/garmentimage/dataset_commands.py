@@ -26,7 +26,7 @@ def build_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--count", type=whole_number, metavar="N", help=f"rows of each type (as preset {PRESET})"
     )
-    parser.add_argument("--preset", default=PRESET, help=f"{PRESET}, or paper: as many as there")
+    parser.add_argument("--preset", help=f"{PRESET} (default), or paper: as many as there")
     parser.add_argument("--seed", type=whole_number, default=0, metavar="N")
     parser.add_argument("--grid", type=whole_number, default=16, metavar="N", help="cells a side")
     parser.add_argument(
@@ -46,10 +46,11 @@ def run_build(options: argparse.Namespace) -> Exit:
     chosen = recipe(options.recipe)
     if options.out is None:
         raise DatasetError("name a folder for it with -o")
-    if options.preset not in chosen.presets:
-        raise DatasetError(
-            f"there is no preset {options.preset!r}; choose {' or '.join(chosen.presets)}"
-        )
+    if options.preset is not None and options.count is not None:
+        raise DatasetError("give --count or --preset, not both")
+    preset = options.preset or PRESET
+    if preset not in chosen.presets:
+        raise DatasetError(f"there is no preset {preset!r}; choose {' or '.join(chosen.presets)}")
     _check_range("--workers", options.workers, 1, 1000)
     _check_range("--seed", options.seed, 0, 2**62)
     _check_range("--grid", options.grid, 4, 256)
@@ -58,7 +59,7 @@ def run_build(options: argparse.Namespace) -> Exit:
 
     from garmentimage.dataset.build import Build, build, plan
 
-    count = chosen.presets[options.preset] if options.count is None else options.count
+    count = chosen.presets[preset] if options.count is None else options.count
     what = Build(chosen, options.out, count, options.seed, options.grid)
     rows = sum(len(shard.places) for shard in plan(what))
     with tqdm(total=rows, unit="row", disable=None, file=sys.stderr, smoothing=0.05) as bar:
@@ -99,9 +100,13 @@ def dataset_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_dataset(options: argparse.Namespace) -> Exit:
     """Describe a dataset, and draw some rows of it."""
+    _check_range("--rows", options.rows, 1, 100)
     if options.out is not None:
         check_output(options.out, (".png",), [])
-        _check_range("--rows", options.rows, 1, 100)
+        if options.folder.resolve() in options.out.resolve().parents:
+            raise DatasetError(
+                f"{shown_path(options.out)}: lies in the dataset itself; choose another folder"
+            )
     _need_extra()
     from garmentimage.dataset.sheet import row_sheet, summary_of
     from garmentimage.render.png import png_bytes

@@ -67,3 +67,14 @@ def test_what_is_not_there_is_told(tmp_path, folder):
         RowStream(tmp_path)
     with pytest.raises(DatasetError, match="has no column 'picture'"):
         RowStream(folder, columns=["picture"])
+
+
+def test_types_and_seeds_that_will_not_do_are_refused(folder):
+    for options, sentence in (
+        ({"without": "skirt"}, r"given as a list, \['skirt'\]"),
+        ({"without": ["skrit"]}, "has no type 'skrit'"),
+        ({"only": [5]}, "has no type 5"),
+        ({"seed": -1}, "seed is -1"),
+    ):
+        with pytest.raises(DatasetError, match=sentence):
+            RowStream(folder, **options)

@@ -10,31 +10,30 @@ Words of this file:
 
 import hashlib
 import json
-import logging
-import signal
-import threading
+import os
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import islice
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+import pyarrow.parquet as pq
+
 from garmentimage.dataset.card import card
-from garmentimage.dataset.recipe import PERIOD, SPLITS, Recipe
+from garmentimage.dataset.engine import check_scheduler, results
+from garmentimage.dataset.recipe import MOST_ROWS, PERIOD, SPLITS, Recipe
 from garmentimage.dataset.row import SCHEMA, Failed, Task, make_row
-from garmentimage.dataset.shard import failures_of, row_count, shard_bytes
-from garmentimage.errors import DatasetError
+from garmentimage.dataset.shard import schema, shard_bytes, shard_facts
+from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path, write_atomically
 
 SHARD_ROWS = 100
 PLAN_FILE, SUMMARY_FILE, CARD_FILE = "build.json", "summary.json", "README.md"
 DATA = "data"
 """Folder of the shards."""
-MOST_ROWS = 10_000_000
-WAITING = 2
-"""Shards that each worker has before it, at most."""
+REMOVE = "remove it and build again"
 
 
 @dataclass(frozen=True)
@@ -69,6 +68,12 @@ class Shard:
     build: Build
     split: str
     places: range
+
+    def identity(self) -> dict[str, Any]:
+        """What tells its rows from any others."""
+        what = self.build.identity()
+        told = {key: what[key] for key in ("recipe", "version", "schema", "seed", "grid")}
+        return told | {"split": self.split, "places": [self.places.start, self.places.stop]}
 
     @property
     def tasks(self) -> list[Task]:
@@ -130,7 +135,7 @@ def make_shard(shard: Shard) -> bytes:
     made = [make_row(task) for task in shard.tasks]
     rows = [row for row in made if not isinstance(row, Failed)]
     failed = [row for row in made if isinstance(row, Failed)]
-    return shard_bytes(shard.build.recipe, shard.build.grid, rows, failed)
+    return shard_bytes(shard.build.recipe, shard.build.grid, rows, failed, shard.identity())
 
 
 def build(
@@ -158,134 +163,108 @@ def build(
         OutputError: a file that cannot be written; what was finished stays.
     """
     shards = plan(what)
+    if scheduler is not None:
+        check_scheduler(scheduler)
     data = _prepared(what)
-    done = {s.name: _read(data / s.name) for s in shards if (data / s.name).is_file()}
-    for each in done.values():
-        progress(each, False)
+    _check_names(data, {shard.name for shard in shards})
+    done: dict[str, Done] = {}
+    for shard in shards:
+        if os.path.lexists(data / shard.name):
+            done[shard.name] = _checked(data / shard.name, shard)
+            progress(done[shard.name], False)
     missing = [shard for shard in shards if shard.name not in done]
-    for shard, raw in _made(missing, scheduler, workers) if missing else ():
+    for shard, raw in results(make_shard, missing, scheduler, workers) if missing else ():
         write_atomically(data / shard.name, raw)
-        done[shard.name] = _told(shard.name, raw)
+        done[shard.name] = _told(shard, raw)
         progress(done[shard.name], True)
     summary = _summary(what, [done[shard.name] for shard in shards])
-    write_atomically(what.folder / SUMMARY_FILE, _text(summary))
-    write_atomically(what.folder / CARD_FILE, card(what.recipe, summary, command))
+    _write_anew(what.folder / SUMMARY_FILE, _text(summary), missing)
+    _write_anew(what.folder / CARD_FILE, card(what.recipe, summary, command), missing)
     return summary
+
+
+def _write_anew(file: Path, text: str, missing: list[Shard]) -> None:
+    """Write what sums up a dataset, unless that is there already and nothing was missing."""
+    if missing or not file.exists():
+        write_atomically(file, text)
 
 
 def _prepared(what: Build) -> Path:
     """The folder of the shards, made where it is not there."""
-    file, wanted = what.folder / PLAN_FILE, what.identity()
+    folder, wanted = what.folder, what.identity()
+    file, data = folder / PLAN_FILE, folder / DATA
     try:
-        (what.folder / DATA).mkdir(parents=True, exist_ok=True)
-        text = file.read_text(encoding="utf-8") if file.exists() else None
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.path.lexists(file):
+            _check_plan(file, wanted)
+        elif any(not path.name.startswith(".") for path in folder.iterdir()):
+            raise DatasetError(
+                f"{shown_path(folder)}: holds other files and no dataset; choose another folder"
+            )
+        else:
+            write_atomically(file, _text(wanted))
+        data.mkdir(exist_ok=True)
     except (OSError, ValueError) as error:
+        if isinstance(error, DatasetError):
+            raise
         reason = getattr(error, "strerror", None) or str(error)
         raise DatasetError(
-            f"{shown_path(what.folder)}: cannot be used ({reason}); choose another folder"
+            f"{shown_path(folder)}: cannot be used ({reason}); choose another folder"
         ) from None
-    if text is None:
-        write_atomically(file, _text(wanted))
-        return what.folder / DATA
+    return data
+
+
+def _check_plan(file: Path, wanted: dict[str, Any]) -> None:
+    """Refuse a folder with another dataset."""
     try:
-        found = dict(json.loads(text))
-    except (ValueError, TypeError):
+        found = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(found, dict) or not found.keys() >= wanted.keys():
+            raise ValueError
+    except (ValueError, RecursionError):
         raise DatasetError(f"{shown_path(file)}: is damaged; choose another folder") from None
     for key, value in wanted.items():
-        if found.get(key) != value:
+        if repr(found[key]) != repr(value):
             raise DatasetError(
-                f"{shown_path(what.folder)}: holds a dataset of {key} {found.get(key)}, not "
-                f"{value}; choose another folder"
+                f"{shown_path(file.parent)}: holds a dataset of {key} {quoted(str(found[key]))}, "
+                f"not {value}; choose another folder"
             )
-    return what.folder / DATA
 
 
-def _read(path: Path) -> Done:
+def _check_names(data: Path, planned: set[str]) -> None:
+    """Refuse files beside the shards: readers would take them for some."""
+    for path in data.iterdir():
+        if path.name not in planned and not path.name.startswith("."):
+            raise DatasetError(f"{shown_path(path)}: is no shard of this dataset; remove it")
+
+
+def _checked(path: Path, shard: Shard) -> Done:
+    """A shard that is there, read as a whole.
+
+    Raises:
+        DatasetError: it is damaged, or holds other rows than it should.
+    """
+    if path.is_symlink() or not path.is_file():
+        raise DatasetError(f"{shown_path(path)}: is no plain file; {REMOVE}")
     try:
-        return _told(path.name, path.read_bytes())
+        raw = path.read_bytes()
+        table = pq.read_table(BytesIO(raw), page_checksum_verification=True)
+        done = _told(shard, raw)
     except DatasetError as error:
         raise DatasetError(f"{shown_path(path)}: {error}") from None
+    except (pa.ArrowException, OSError) as error:
+        reason = getattr(error, "strerror", None) or "it is damaged"
+        raise DatasetError(f"{shown_path(path)}: cannot be read ({reason}); {REMOVE}") from None
+    if not table.schema.equals(schema(shard.build.recipe, shard.build.grid)):
+        raise DatasetError(f"{shown_path(path)}: has other columns than it should; {REMOVE}")
+    return done
 
 
-def _told(name: str, raw: bytes) -> Done:
-    failed = tuple(failures_of(raw))
-    return Done(name, row_count(raw), failed, hashlib.sha256(raw).hexdigest())
-
-
-def _made(
-    shards: list[Shard], scheduler: str | None, workers: int
-) -> Iterator[tuple[Shard, bytes]]:
-    """Shards with their bytes, as they come; only a few wait at any time."""
-    from distributed import as_completed
-
-    with _client(scheduler, min(workers, len(shards))) as client:
-        waiting = iter(shards)
-        most = WAITING * max(len(client.scheduler_info()["workers"]), 1)
-        of_future = {}
-        running = as_completed()
-        for shard in islice(waiting, most):
-            future = client.submit(make_shard, shard, pure=False)
-            of_future[future.key] = shard
-            running.add(future)
-        for future in running:
-            raw = future.result()
-            yield of_future.pop(future.key), raw
-            future.release()
-            following = next(waiting, None)
-            if following is not None:
-                future = client.submit(make_shard, following, pure=False)
-                of_future[future.key] = following
-                running.add(future)
-
-
-def _client(scheduler: str | None, workers: int) -> Any:
-    from distributed import Client, LocalCluster
-
-    if scheduler is None:
-        with _deaf_children():
-            cluster = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                memory_limit=0,
-                dashboard_address="127.0.0.1:0",
-                host="127.0.0.1",
-                silence_logs=logging.CRITICAL,
-            )
-        return _Both(Client(cluster), cluster)
-    try:
-        return Client(scheduler, timeout="20s")
-    except (OSError, ValueError, TypeError) as error:
-        raise DatasetError(
-            f"the scheduler {scheduler} does not answer ({type(error).__name__}); start one with "
-            "`dask scheduler`, and workers with `dask worker`"
-        ) from None
-
-
-@contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Processes started inside do not hear Ctrl-C: the driver stops them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-class _Both:
-    """A client that closes its cluster, too."""
-
-    def __init__(self, client: Any, cluster: Any) -> None:
-        self.client, self.cluster = client, cluster
-
-    def __enter__(self) -> Any:
-        return self.client
-
-    def __exit__(self, *_: object) -> None:
-        self.client.close()
-        self.cluster.close()
+def _told(shard: Shard, raw: bytes) -> Done:
+    file = pq.ParquetFile(BytesIO(raw))
+    facts, rows = shard_facts(file.schema_arrow), file.metadata.num_rows
+    if facts.identity != shard.identity() or rows + len(facts.failed) != len(shard.places):
+        raise DatasetError(f"holds other rows than it should; {REMOVE}")
+    return Done(shard.name, rows, facts.failed, hashlib.sha256(raw).hexdigest())
 
 
 def _summary(what: Build, done: list[Done]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from jaxtyping import Float32
 
 from garmentimage.dataset.build import DATA
 from garmentimage.dataset.recipe import SPLITS
+from garmentimage.dataset.shard import ShardFacts, shard_facts
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path
 from garmentimage.raster.image import CHANNELS_PER_LAYER
@@ -20,11 +21,20 @@ def shard_files(folder: str | Path, split: str | None = None) -> list[Path]:
     """The shards of a split, or of all, in order.
 
     Raises:
-        DatasetError: there are none.
+        DatasetError: there are none, or some are missing.
     """
     if split is not None and split not in SPLITS:
         raise DatasetError(f"there is no split {quoted(split)}; choose {', '.join(SPLITS)}")
-    files = sorted((Path(folder) / DATA).glob(f"{split or '*'}-*.parquet"))
+    files = []
+    for name in (split,) if split else SPLITS:
+        found = sorted((Path(folder) / DATA).glob(f"{name}-*.parquet"))
+        wanted = [f"{name}-{k:05d}-of-{len(found):05d}.parquet" for k in range(len(found))]
+        if [file.name for file in found] != wanted:
+            raise DatasetError(
+                f"{shown_path(folder)}: its split {quoted(name)} is not complete, or not all its "
+                "own; go on with it by the command that began it"
+            )
+        files += found
     if not files:
         what = f"split {quoted(split)}" if split else "shards"
         raise DatasetError(f"{shown_path(folder)}: has no {what}; `garmentimage build` makes one")
@@ -70,6 +80,15 @@ def row_count(file: Path) -> int:
     return _read(file, lambda shard: shard.metadata.num_rows)
 
 
+def facts(file: Path) -> ShardFacts:
+    """What a shard tells of itself.
+
+    Raises:
+        DatasetError: it is damaged, or none of ours.
+    """
+    return _read(file, lambda shard: shard_facts(shard.schema_arrow))
+
+
 def column_names(file: Path) -> list[str]:
     """Columns of a shard.
 
@@ -100,26 +119,31 @@ def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
 def rasters(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row col"]]:
     """The rasters of some rows, without making a Python object of every number."""
     lists = column.combine_chunks()
+    if not len(lists):
+        return []
     layers = lists.value_lengths().to_numpy(zero_copy_only=False)
     numbers = lists
     for _ in range(4):
         numbers = numbers.flatten()
     values = numbers.to_numpy(zero_copy_only=False)
-    grid = round((len(values) / max(layers.sum(), 1) / CHANNELS_PER_LAYER) ** 0.5)
+    grid = round((len(values) / layers.sum() / CHANNELS_PER_LAYER) ** 0.5)
     ends = np.cumsum(layers) * CHANNELS_PER_LAYER * grid * grid
-    parts = np.split(values, ends[:-1]) if len(layers) else []
+    parts = np.split(values, ends[:-1])
     return [part.reshape(-1, CHANNELS_PER_LAYER, grid, grid) for part in parts]
 
 
 def _read(file: Path, what: Any, columns: Sequence[str] | None = None) -> Any:
     try:
-        with pq.ParquetFile(file) as shard:
+        with pq.ParquetFile(file, page_checksum_verification=True) as shard:
+            shard_facts(shard.schema_arrow)
             for name in columns or ():
                 if name not in shard.schema_arrow.names:
-                    raise DatasetError(f"{shown_path(file)}: has no column {quoted(name)}")
+                    raise DatasetError(f"has no column {quoted(name)}")
             return what(shard)
+    except DatasetError as error:
+        raise DatasetError(f"{shown_path(file)}: {error}") from None
     except (pa.ArrowException, OSError) as error:
-        reason = str(error).splitlines()[0][:100]
+        reason = getattr(error, "strerror", None) or "it is damaged"
         raise DatasetError(
-            f"{shown_path(file)}: is damaged ({reason}); remove it and build again"
+            f"{shown_path(file)}: cannot be read ({reason}); remove it and build again"
         ) from None

@@ -9,6 +9,7 @@ Words of this file:
 - A **preset** is a number of rows a type: `paper` as in the paper, `laptop` for two cores.
 """
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from garmentimage.draft.parameters import Value, checked_values, near
 from garmentimage.drape.fabric import FABRICS
 from garmentimage.errors import DatasetError, GarmentImageError, quoted
 from garmentimage.render.camera import VIEWS
+from garmentimage.render.look import Look
 from garmentimage.render.tint import Tint, rgb
 
 SPLITS = ("train", "validation", "test", "unseen")
@@ -33,11 +35,21 @@ PERIOD = 20
 """Of so many rows of a type in order, the shares are taken: the same ones of every so many."""
 LOOKS = ("plain", "random")
 PICTURE_SIZES = (16, 1024)
-_TYPE_KEYS = {"name", "kind", "fixed", "seen"}
+MOST_ROWS = 10_000_000
+"""Of a dataset."""
+_WORDS = {
+    str: "a text",
+    int: "a whole number",
+    bool: "true or false",
+    list: "a list",
+    dict: "a table",
+}
+_TYPE_KEYS = {"name": str, "kind": str, "fixed": dict, "seen": bool}
 _KEYS = {
-    "name", "version", "doc", "bodies", "test_bodies", "fabrics", "views", "picture", "look",
-    "colours", "presets", "types",
+    "name": str, "version": int, "doc": str, "bodies": list, "test_bodies": list, "fabrics": list,
+    "views": list, "picture": int, "look": str, "colours": dict, "presets": dict, "types": list,
 }  # fmt: skip
+_NAME = re.compile("[a-z0-9][a-z0-9-]{0,39}")
 
 
 @dataclass(frozen=True)
@@ -121,32 +133,45 @@ def parse_recipe(text: str) -> Recipe:
         facts = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise DatasetError(f"the recipe is no TOML: {error}") from None
-    _check_keys(facts, _KEYS, required=_KEYS - {"test_bodies", "colours", "look", "picture"})
+    except (ValueError, RecursionError):
+        raise DatasetError("the recipe has a number too long, or nests too deep") from None
+    optional = {"test_bodies", "colours", "look", "picture"}
+    _check_keys(facts, _KEYS, required=_KEYS.keys() - optional)
     try:
         return _recipe(facts)
     except DatasetError:
         raise
     except GarmentImageError as error:
         raise DatasetError(str(error)) from None
-    except (TypeError, ValueError, AttributeError):
-        raise DatasetError("a value of the recipe is of the wrong type") from None
 
 
 def _recipe(facts: Mapping[str, Any]) -> Recipe:
+    for number in facts["presets"].values():
+        _check_kind("preset", number, int)
     made = Recipe(
-        name=str(facts["name"]),
-        version=int(facts["version"]),
-        doc=str(facts["doc"]),
+        name=facts["name"],
+        version=facts["version"],
+        doc=facts["doc"],
         types=tuple(_type(each) for each in facts["types"]),
         bodies=_known(facts["bodies"], presets(), "body"),
         test_bodies=_known(facts.get("test_bodies", ()), presets(), "body"),
         fabrics=_known(facts["fabrics"], FABRICS, "fabric"),
         views=_known(facts["views"], VIEWS, "view"),
-        picture=int(facts.get("picture", 0)),
+        picture=facts.get("picture", 0),
         look=_known([facts.get("look", "plain")], LOOKS, "look")[0],
-        colours=dict(facts.get("colours", {})),
-        presets={str(k): int(n) for k, n in facts["presets"].items()},
+        colours=facts.get("colours", {}),
+        presets=facts["presets"],
     )
+    if not _NAME.fullmatch(made.name):
+        raise DatasetError(f"a recipe is named by a-z, 0-9 and -, not {quoted(made.name)}")
+    for what, number in (("version", made.version), *made.presets.items()):
+        if not 1 <= number <= MOST_ROWS:
+            raise DatasetError(f"{what} of the recipe is {number}; give 1 to {MOST_ROWS}")
+    for group in made.colours:
+        if group not in Look().colours:
+            raise DatasetError(
+                f"there is no panel group {quoted(group)}; {near(group, Look().colours)}"
+            )
     low, high = PICTURE_SIZES
     if made.views and not low <= made.picture <= high:
         raise DatasetError(f"pictures of {made.picture} pixels; give {low} to {high}")
@@ -161,29 +186,41 @@ def _recipe(facts: Mapping[str, Any]) -> Recipe:
     return made
 
 
-def _type(facts: Mapping[str, Any]) -> GarmentType:
+def _type(facts: Any) -> GarmentType:
+    _check_kind("type", facts, dict)
     _check_keys(facts, _TYPE_KEYS, required={"name", "kind"})
     (kind,) = _known([facts["kind"]], KINDS, "kind")
-    fixed = dict(facts.get("fixed", {}))
+    fixed = facts.get("fixed", {})
+    if not facts["name"]:
+        raise DatasetError("a type of the recipe has no name")
     values = checked_values(KINDS[kind].parameters, fixed, f"kind {kind}")
     return GarmentType(
-        name=str(facts["name"]),
+        name=facts["name"],
         kind=kind,
         fixed={name: values[name] for name in fixed},
-        seen=bool(facts.get("seen", True)),
+        seen=facts.get("seen", True),
     )
 
 
 def _known(names: Any, known: Any, what: str) -> tuple[str, ...]:
     for name in names:
+        _check_kind(what, name, str)
         if name not in known:
-            raise DatasetError(f"there is no {what} {quoted(str(name))}; {near(str(name), known)}")
+            raise DatasetError(f"there is no {what} {quoted(name)}; {near(name, known)}")
     return tuple(names)
 
 
-def _check_keys(facts: Mapping[str, Any], known: set[str], *, required: set[str]) -> None:
-    for key in facts:
+def _check_keys(facts: Mapping[str, Any], known: Mapping[str, type], *, required: set[str]) -> None:
+    for key, value in facts.items():
         if key not in known:
             raise DatasetError(f"a recipe has no {quoted(key)}; {near(key, sorted(known))}")
+        _check_kind(key, value, known[key])
     for key in sorted(required - facts.keys()):
         raise DatasetError(f"the recipe does not tell its {key}")
+
+
+def _check_kind(what: str, value: Any, wanted: type) -> None:
+    if type(value) is not wanted:
+        raise DatasetError(
+            f"{what} of the recipe is {quoted(str(value))}; give {_WORDS[wanted]} there"
+        )

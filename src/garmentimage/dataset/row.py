@@ -24,8 +24,8 @@ from garmentimage.render.look import Look, photograph
 from garmentimage.render.maps import map_bytes
 from garmentimage.render.png import png_bytes
 
-SCHEMA = 1
-"""Version of what a row holds."""
+SCHEMA = 2
+"""Version of what a shard holds, and its rows."""
 UNTOLD = ("seconds",)
 """What a drape's report tells that is not the same on every run."""
 _LOOK, _BODY, _FABRIC = range(3)

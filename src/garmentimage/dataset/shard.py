@@ -1,12 +1,13 @@
 """Shards: rows as Parquet files that Hugging Face `datasets`, pandas and all else read.
 
 The schema carries the features of `datasets`, so that pictures come as pictures and rasters as
-arrays; `garmentimage` in its metadata holds the schema's version and the rows that failed.
+arrays; `garmentimage` in its metadata holds what the shard was built as, the types of the recipe,
+and the rows that failed. Pages have checksums.
 """
 
 import json
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from io import BytesIO
 from typing import Any
 
@@ -51,12 +52,33 @@ def picture_columns(recipe: Recipe) -> tuple[str, ...]:
     return (*(f"picture_{view}" for view in recipe.views), "panels") if recipe.views else ()
 
 
+@dataclass(frozen=True)
+class ShardFacts:
+    """What a shard tells of itself."""
+
+    identity: Mapping[str, Any]
+    """What it was built as."""
+    types: tuple[str, ...]
+    """All types of its recipe."""
+    failed: tuple[Failed, ...]
+    """The rows that it lacks because they could not be made."""
+
+
 def shard_bytes(
-    recipe: Recipe, grid: int, rows: Sequence[dict[str, Any]], failed: Sequence[Failed]
+    recipe: Recipe,
+    grid: int,
+    rows: Sequence[dict[str, Any]],
+    failed: Sequence[Failed],
+    identity: Mapping[str, Any],
 ) -> bytes:
     """A Parquet file with some rows; the same bytes for the same rows."""
     wanted = schema(recipe, grid)
-    told = {"schema": SCHEMA, "failed": [asdict(each) for each in failed]}
+    told = {
+        "schema": SCHEMA,
+        "identity": identity,
+        "types": [each.name for each in recipe.types],
+        "failed": [asdict(each) for each in failed],
+    }
     wanted = wanted.with_metadata({**wanted.metadata, OURS: _json(told)})
     columns = {name: [_cell(row, name) for row in rows] for name in wanted.names}
     arrays = [
@@ -71,31 +93,35 @@ def shard_bytes(
         file,
         row_group_size=ROW_GROUP,
         compression="zstd",
+        write_page_checksum=True,
     )
     return file.getvalue()
 
 
-def failures_of(raw: bytes) -> list[Failed]:
-    """The rows that a shard lacks because they could not be made.
+def shard_facts(found: pa.Schema) -> ShardFacts:
+    """What a shard's schema tells.
 
     Raises:
-        DatasetError: it is no shard of ours.
+        DatasetError: it is that of no shard of ours.
     """
     try:
-        metadata = pq.read_schema(BytesIO(raw)).metadata or {}
-        told = json.loads(metadata[OURS])
-        if told["schema"] != SCHEMA:
-            raise DatasetError(f"is a shard of another version; only {SCHEMA} is read")
-        return [Failed(**each) for each in told["failed"]]
-    except (pa.ArrowException, OSError, KeyError, TypeError, ValueError) as error:
-        if isinstance(error, DatasetError):
-            raise
-        raise DatasetError("is no shard of garmentimage; remove it and build again") from None
-
-
-def row_count(raw: bytes) -> int:
-    """Rows of a shard."""
-    return pq.read_metadata(BytesIO(raw)).num_rows
+        told = json.loads((found.metadata or {})[OURS])
+        version = told["schema"]
+        facts = ShardFacts(
+            dict(told["identity"]),
+            tuple(told["types"]),
+            tuple(Failed(**each) for each in told["failed"]),
+        )
+        texts = [*facts.types, *(text for each in facts.failed for text in asdict(each).values())]
+        if not all(isinstance(text, str) for text in texts):
+            raise TypeError
+    except (KeyError, TypeError, ValueError, RecursionError):
+        raise DatasetError(
+            "is no shard of this version of garmentimage; remove it and build again"
+        ) from None
+    if version != SCHEMA:
+        raise DatasetError(f"is a shard of version {version!r}; this garmentimage reads {SCHEMA}")
+    return facts
 
 
 def _cell(row: dict[str, Any], name: str) -> Any:

@@ -30,15 +30,36 @@ def summary_of(folder: Path) -> dict[str, Any]:
     file = folder / SUMMARY_FILE
     try:
         summary = json.loads(file.read_text(encoding="utf-8"))
-        if not isinstance(summary, dict) or not {"rows", "splits", "failed"} <= summary.keys():
+        if not _is_summary(summary):
             raise ValueError
     except FileNotFoundError:
         raise DatasetError(
             f"{shown_path(folder)}: holds no finished dataset; `garmentimage build` makes one"
         ) from None
-    except (OSError, ValueError):
-        raise DatasetError(f"{shown_path(file)}: cannot be read; build the dataset again") from None
+    except OSError as error:
+        raise DatasetError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
+    except (ValueError, RecursionError):
+        raise DatasetError(
+            f"{shown_path(file)}: is damaged; remove it and build the dataset again"
+        ) from None
+    if sum(row_count(shard) for shard in shard_files(folder)) != summary["rows"]:
+        raise DatasetError(
+            f"{shown_path(folder)}: its shards do not hold the {summary['rows']} rows of its "
+            "summary; build it again"
+        )
     return summary
+
+
+def _is_summary(data: Any) -> bool:
+    """Whether it is what `build` writes, as far as it is shown."""
+    if not isinstance(data, dict) or type(data.get("rows")) is not int:
+        return False
+    counts = [data.get("splits"), data.get("failed")]
+    return all(
+        isinstance(count, dict)
+        and all(name.isprintable() and type(n) is int and n >= 0 for name, n in count.items())
+        for count in counts
+    )
 
 
 def row_sheet(folder: Path, count: int) -> UInt8[np.ndarray, "row col 3"]:

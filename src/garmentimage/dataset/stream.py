@@ -10,7 +10,15 @@ import pyarrow as pa
 import torch
 from torch.utils.data import IterableDataset, get_worker_info
 
-from garmentimage.dataset.read import column_names, rasters, row_group, row_groups, shard_files
+from garmentimage.dataset.read import (
+    column_names,
+    facts,
+    rasters,
+    row_group,
+    row_groups,
+    shard_files,
+)
+from garmentimage.draft.parameters import near
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path
 
@@ -51,7 +59,11 @@ class RowStream(IterableDataset):
         for name in self.columns:
             if name not in there:
                 raise DatasetError(f"{shown_path(folder)}: has no column {quoted(name)}")
-        self.without, self.only = frozenset(without), frozenset(only)
+        self.without, self.only = (
+            _types(facts(files[0]).types, names) for names in (without, only)
+        )
+        if seed is not None and (not isinstance(seed, int) or seed < 0):
+            raise DatasetError(f"seed is {seed!r}; give a whole number from 0")
         self.seed, self.epoch = seed, 0
         self.groups = [(file, k) for file in files for k in range(row_groups(file))]
 
@@ -85,6 +97,16 @@ class RowStream(IterableDataset):
             row = plain.slice(k, 1).to_pylist()[0]
             row = {name: _tensor(name, row[name]) for name in self.columns if name in row}
             yield row | ({"raster": torch.from_numpy(images[k].copy())} if images else {})
+
+
+def _types(known: Collection[str], names: Collection[str]) -> frozenset[str]:
+    """Names of types, checked."""
+    if isinstance(names, str):
+        raise DatasetError(f"types are given as a list, [{names!r}], not as {names!r}")
+    for name in names:
+        if name not in known:
+            raise DatasetError(f"the dataset has no type {name!r}; {near(str(name), known)}")
+    return frozenset(names)
 
 
 def _tensor(name: str, value: Any) -> Any:

@@ -91,9 +91,7 @@ class GarmentVAE(nn.Module):
         mean, log_variance = self.encode(batch.inputs())
         z = mean + torch.randn_like(mean) * (log_variance / 2).exp()
         parts = image_losses(self.decode(z), batch, config.boundary_weight)
-        parts["divergence"] = (
-            0.5 * (mean**2 + log_variance.exp() - 1 - log_variance).sum(1).mean()
-        )
+        parts["divergence"] = 0.5 * (mean**2 + log_variance.exp() - 1 - log_variance).sum(1).mean()
         parts["loss"] = (
             parts["flags"]
             + parts["types"]

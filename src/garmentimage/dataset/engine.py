@@ -1,0 +1,165 @@
+"""The engine: shards made by Dask workers, on this machine or wherever a scheduler has them."""
+
+import asyncio
+import importlib.metadata
+import logging
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import islice
+from typing import Any, TypeVar
+
+from garmentimage.errors import DatasetError, quoted
+
+WAITING = 2
+"""Pieces of work that each worker has before it, at most."""
+ANSWER_S = 20.0
+"""How long a scheduler may take to answer."""
+AGAIN = "what is finished stays, so run the same command again"
+
+Work = TypeVar("Work")
+Result = TypeVar("Result")
+
+
+def results(
+    do: Callable[[Work], Result],
+    pieces: Sequence[Work],
+    scheduler: str | None,
+    workers: int,
+) -> Iterator[tuple[Work, Result]]:
+    """Pieces of work with what came of them, as they come; only a few wait at any time.
+
+    Args:
+        do: a function of a module that workers can import.
+        pieces: the work.
+        scheduler: address of a running Dask scheduler; none for processes on this machine.
+        workers: processes on this machine.
+
+    Raises:
+        DatasetError: a scheduler that does not answer or goes away, one without workers that have
+            this garmentimage, or work that kills its workers again and again.
+    """
+    from distributed import KilledWorker, as_completed
+    from distributed.client import FutureCancelledError
+    from distributed.comm import CommClosedError
+
+    with _client(scheduler, min(workers, len(pieces))) as client:
+        waiting = iter(pieces)
+        most = WAITING * max(len(client.scheduler_info(n_workers=-1)["workers"]), 1)
+        of_future = {}
+        running = as_completed()
+
+        def submit(piece: Work) -> None:
+            future = client.submit(do, piece, pure=False)
+            of_future[future.key] = piece
+            running.add(future)
+
+        try:
+            for piece in islice(waiting, most):
+                submit(piece)
+            for future in running:
+                result = future.result()
+                yield of_future.pop(future.key), result
+                future.release()
+                for piece in islice(waiting, 1):
+                    submit(piece)
+        except KilledWorker:
+            raise DatasetError(
+                f"workers died again and again over one shard, perhaps for want of memory; {AGAIN}"
+            ) from None
+        except (FutureCancelledError, CommClosedError):
+            raise DatasetError(f"the scheduler went away; {AGAIN}") from None
+
+
+def check_scheduler(address: str) -> None:
+    """Refuse the address of a scheduler that does not answer.
+
+    Raises:
+        DatasetError: says so.
+    """
+    from distributed.comm import connect
+
+    async def knock() -> None:
+        comm = await connect(address, timeout=ANSWER_S)
+        comm.abort()
+
+    try:
+        asyncio.run(asyncio.wait_for(knock(), ANSWER_S))
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        raise DatasetError(
+            f"no scheduler answers at {quoted(address)} ({type(error).__name__}); start one with "
+            "`dask scheduler`, and give the address that it prints, such as tcp://host:8786"
+        ) from None
+
+
+@contextmanager
+def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
+    from distributed import Client, LocalCluster
+
+    if scheduler is not None:
+        check_scheduler(scheduler)
+        with Client(scheduler, timeout=ANSWER_S) as client:
+            _check_workers(client, scheduler)
+            yield client
+        return
+    with _interrupts_later():
+        cluster = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            memory_limit=0,
+            dashboard_address="127.0.0.1:0",
+            host="127.0.0.1",
+            silence_logs=logging.CRITICAL,
+        )
+        client = Client(cluster)
+    try:
+        yield client
+    finally:
+        with _interrupts_ignored():
+            client.close()
+            cluster.close()
+
+
+def _check_workers(client: Any, scheduler: str) -> None:
+    """Refuse workers that are not there, or that lack this garmentimage."""
+    ours = importlib.metadata.version("garmentimage")
+    try:
+        theirs = client.run(importlib.metadata.version, "garmentimage")
+    except importlib.metadata.PackageNotFoundError:
+        theirs = {"": "none"}
+    if not theirs:
+        raise DatasetError(
+            f"the scheduler {scheduler} has no workers; start some with `dask worker {scheduler}`"
+        )
+    for version in theirs.values():
+        if version != ours:
+            raise DatasetError(
+                f"workers of {scheduler} have garmentimage {version}, not {ours}; install it there"
+            )
+
+
+@contextmanager
+def _interrupts_later() -> Iterator[None]:
+    """Ctrl-C acts after this, and never on threads and processes that are started in it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Ctrl-C does nothing meanwhile: stopping is under way."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
