@@ -113,6 +113,7 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
             silence_logs=logging.CRITICAL,
         )
         client = Client(cluster)
+        client.run(_ignore_interrupts)
     try:
         yield client
     finally:
@@ -139,9 +140,14 @@ def _check_workers(client: Any, scheduler: str) -> None:
             )
 
 
+def _ignore_interrupts() -> None:
+    """In a worker: Ctrl-C is for the driver, which stops its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 @contextmanager
 def _interrupts_later() -> Iterator[None]:
-    """Ctrl-C acts after this, and never on threads and processes that are started in it."""
+    """Ctrl-C acts after this."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
