@@ -10,6 +10,8 @@
     ├── DraftError              a body or a design that no garment can be drafted from (ValueError)
     ├── DrapeError              a garment that the body cannot wear, or a bad drape (ValueError)
     ├── RenderError             a picture that cannot be made as asked (ValueError)
+    ├── DatasetError            a recipe, or a dataset that cannot be built or read (ValueError)
+    ├── LearnError              a run or a network that will not do (ValueError)
     └── OutputError             a result that cannot be written where it should go (OSError)
 
 Each message is one sentence or two: what is wrong, where (file, panel, edge), and a way out.
@@ -65,6 +67,10 @@ class RenderError(GarmentImageError, ValueError):
 
 class DatasetError(GarmentImageError, ValueError):
     """A recipe that will not do, or a dataset that cannot be built or read."""
+
+
+class LearnError(GarmentImageError, ValueError):
+    """A training run, weights or a latent vector that will not do."""
 
 
 class OutputError(GarmentImageError, OSError):

@@ -85,7 +85,7 @@ class GarmentVAE(nn.Module):
                 x = functional.interpolate(self.up[step](x), scale_factor=2)
         return self.decode_out(x)
 
-    def losses(self, batch: Rasters) -> dict[str, Tensor]:
+    def forward(self, batch: Rasters) -> dict[str, Tensor]:
         """The whole loss, and what it is made of, of a batch with noise on its latent vectors."""
         config = self.config
         mean, log_variance = self.encode(batch.inputs())
