@@ -8,12 +8,9 @@ from garmentimage.provenance import source_commit
 
 
 def provenance(paths: list[Path]) -> dict[str, str]:
-    """Commit, date and data hash, to be kept with a result."""
-    return {
-        "commit": source_commit(),
-        "date": datetime.now(UTC).date().isoformat(),
-        "data_sha256": data_hash(paths),
-    }
+    """Commit, date and, where it is of pattern files, their hash, to be kept with a result."""
+    told = {"commit": source_commit(), "date": datetime.now(UTC).date().isoformat()}
+    return told | ({"data_sha256": data_hash(paths)} if paths else {})
 
 
 def data_hash(folders: list[Path]) -> str:

@@ -60,7 +60,11 @@ def main() -> int:
     parser.add_argument("--image", help="Docker image of the Kubernetes workers")
     parser.add_argument("build", nargs="+", help="arguments of `garmentimage build`, after --")
     options = parser.parse_args()
-    with {"slurm": slurm, "kubernetes": kubernetes}[options.on](options) as cluster:
+    try:
+        started = {"slurm": slurm, "kubernetes": kubernetes}[options.on](options)
+    except ModuleNotFoundError as error:
+        parser.error(f"needs {error.name}: pip install {error.name.replace('_', '-')}")
+    with started as cluster:
         cluster.wait_for_workers(1)
         return garmentimage(["build", *options.build, "--scheduler", cluster.scheduler_address])
 

@@ -102,3 +102,11 @@ def test_arrays_that_do_not_fit_each_other_are_refused():
         GarmentImage(image.inside, image.edge_type, image.deformation, BodyFrame.standard(8))
     with pytest.raises(ImageError, match="layer names"):
         GarmentImage(image.inside, image.edge_type, image.deformation, image.frame, ("front",))
+
+
+def test_channels_may_come_layer_by_layer():
+    image = one_cell()
+    layers = image.to_channels().reshape(2, 17, 16, 16)
+    assert GarmentImage.from_channels(layers).same_channels(image)
+    with pytest.raises(ImageError, match=r"channels have shape \(2, 16, 16, 16\)"):
+        GarmentImage.from_channels(layers[:, :16])

@@ -225,8 +225,8 @@ def _check_plan(file: Path, wanted: dict[str, Any]) -> None:
     for key, value in wanted.items():
         if repr(found[key]) != repr(value):
             raise DatasetError(
-                f"{shown_path(file.parent)}: holds a dataset of {key} {quoted(str(found[key]))}, "
-                f"not {value}; choose another folder"
+                f"{shown_path(file.parent)}: holds a dataset of {key} "
+                f"{quoted(str(found[key]))}, not {value!r}; choose another folder"
             )
 
 

@@ -8,18 +8,20 @@ from garmentimage.provenance import source_commit, versions
 COLUMNS = {
     "id": "name of the row",
     "recipe, version, seed, index": "what it was made from",
-    "type, kind, parameters": "the kind of garment and, as JSON, its design parameters",
+    "type, kind, parameters": "the kind of garment and, as JSON, its design parameters, those that "
+    "do nothing, too",
     "split": "train, validation, test, or unseen: types that are in no other split",
     "body, fabric": "who wears it, and what it is made of",
     "pattern": "the sewing pattern, as specification JSON",
-    "raster": "the GarmentImage: layers x 17 channels x N x N, row 0 at the bottom",
+    "raster": "the GarmentImage, float32: layers (front, back) x 17 channels x N x N, row 0 at the "
+    "bottom; channels: inside, types of the bottom edge (4), of the left edge (4), (dx, dy) of the "
+    "bottom, right, top and left edge [cm]",
     "captions": "what it is in words, from its parameters, the longest first",
 }
-PICTURE_COLUMNS = {
-    "picture_VIEW": "a picture of the garment on the body",
-    "panels": "which panel is where in the first picture: 0 nothing, 1 body, number of panel + 2",
-    "report": "how the drape went, as JSON",
-}
+PANELS = (
+    "which panel is where in the first picture: 0 nothing, 1 body, 2 the first panel of `pattern`, "
+    "3 the second, and so on"
+)
 
 
 def card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
@@ -27,7 +29,11 @@ def card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
     splits = "".join(
         f"  - split: {split}\n    path: data/{split}-*.parquet\n" for split in summary["splits"]
     )
-    columns = COLUMNS | (PICTURE_COLUMNS if recipe.views else {})
+    columns = dict(COLUMNS)
+    for view in recipe.views:
+        columns[f"picture_{view}"] = f"the garment on the body, {recipe.picture} pixels, RGB"
+    if recipe.views:
+        columns |= {"panels": PANELS, "report": "how the drape went, as JSON"}
     commit = source_commit()
     types = [f"| {t.name} | {t.kind} | {'' if t.seen else 'unseen'} |" for t in recipe.types]
     failed = [f"| {cause} | {n} |" for cause, n in summary["failed"].items()]
@@ -50,6 +56,11 @@ configs:
 | column | what it holds |
 |---|---|
 {_table(columns)}
+
+```python
+import datasets
+rows = datasets.load_dataset("FOLDER")["train"].with_format("numpy")
+```
 
 | type | kind | |
 |---|---|---|

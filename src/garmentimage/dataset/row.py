@@ -151,8 +151,8 @@ def _facts(task: Task, garment: Sample, body: str, fabric: str) -> dict[str, Any
 def _pictures(task: Task, worn: Worn) -> dict[str, Any]:
     recipe, pictures, panels = task.recipe, {}, b""
     random = task.random(_LOOK)
+    look = Look.random(random) if recipe.look == "random" else _plain(recipe)
     for view in recipe.views:
-        look = Look.random(random) if recipe.look == "random" else _plain(recipe)
         views = photograph(worn, look, view=view, size=recipe.picture)
         pictures[view] = png_bytes(views.colour)
         panels = panels or map_bytes(views, "panels")

@@ -58,9 +58,7 @@ class GarmentVAE(nn.Module):
         self.up = nn.ModuleList()
         self.from_latent = nn.Linear(config.latent, widths[-1] * low * low)
         for level in range(len(widths) - 1, -1, -1):
-            self.decoder.append(
-                nn.ModuleList(Block(widths[level], config.latent) for _ in range(config.blocks))
-            )
+            self.decoder.extend(Block(widths[level], config.latent) for _ in range(config.blocks))
             if level:
                 self.up.append(nn.Conv2d(widths[level], widths[level - 1], 1))
         self.decode_out = nn.Conv2d(widths[0], INPUTS, 3, padding=1)
@@ -77,10 +75,10 @@ class GarmentVAE(nn.Module):
         """Logits of flags and types, and vectors, in the order of `Rasters.inputs`."""
         top = len(self.places) - 1
         x = self.from_latent(z).view(len(z), *self.places[top].shape)
-        for step, blocks in enumerate(self.decoder):
+        for step in range(top + 1):
             x = x + self.places[top - step]
-            for block in blocks:
-                x = block(x, z)
+            for number in range(step * self.config.blocks, (step + 1) * self.config.blocks):
+                x = self.decoder[number](x, z)
             if step < top:
                 x = functional.interpolate(self.up[step](x), scale_factor=2)
         return self.decode_out(x)

@@ -170,8 +170,8 @@ def _schedule(step: int, steps: int) -> float:
 def _follow(average: nn.Module, model: nn.Module, step: int) -> None:
     """Move the averaged weights towards those of the model; quicker in the first steps."""
     keep = min(AVERAGE, (1 + step) / (10 + step))
-    ours, theirs = list(average.parameters()), list(model.parameters())
-    torch._foreach_lerp_(ours, theirs, 1 - keep)
+    for ours, theirs in zip(average.parameters(), model.parameters()):
+        ours.lerp_(theirs, 1 - keep)
     for buffer, other in zip(average.buffers(), model.buffers()):
         buffer.copy_(other)
 

@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
@@ -30,14 +29,14 @@ from garmentimage.pattern.model import (
     Quadratic,
     Side,
     Stitch,
+    Vector,
 )
 from garmentimage.pattern.spec import pattern_from_spec
-from garmentimage.pattern.values import Vector
 
 UNIT_CM = 30.0
 """Unit of coordinates."""
 STRAIGHTEST = 0.02
-"""An edge whose control point lies within this of its middle, in lengths of the edge, is straight."""
+"""Edges whose control point is nearer to their middle, in their length, are straight."""
 NUMBERS = 4
 """Of a vertex."""
 
@@ -150,17 +149,20 @@ def vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:
     """The panel kinds and topologies of some garments; of each topology its commonest stitches."""
     names = sorted({panel.name for pattern in patterns for panel in pattern.panels})
     most = max(len(panel.outline.vertices) for pattern in patterns for panel in pattern.panels)
-    seams: dict[Topology, Counter[tuple[Stitch, ...]]] = {}
+    seams: dict[Topology, Counter[tuple[tuple[Side, Side, bool], ...]]] = {}
     places: dict[Topology, dict[str, tuple[Vector, Vector]]] = {}
     for pattern in patterns:
         topology = topology_of(pattern)
-        stitches = tuple(Stitch(s.a, s.b, s.same_direction) for s in pattern.stitches)
-        seams.setdefault(topology, Counter())[_Frozen(stitches)] += 1
+        seams.setdefault(topology, Counter())[
+            tuple((s.a, s.b, s.same_direction) for s in pattern.stitches)
+        ] += 1
         places.setdefault(
             topology, {panel.name: (panel.translation, panel.rotation) for panel in pattern.panels}
         )
     known = {
-        topology: Known(places[topology], counter.most_common(1)[0][0])
+        topology: Known(
+            places[topology], tuple(Stitch(*sides) for sides in counter.most_common(1)[0][0])
+        )
         for topology, counter in seams.items()
     }
     return Vocabulary(tuple(names), most, known)
@@ -178,13 +180,6 @@ def vectors(patterns: Sequence[Pattern], words: Vocabulary) -> Vectors:
 def topology_of(pattern: Pattern) -> Topology:
     """Panels by name, and how many vertices each has."""
     return tuple(sorted((panel.name, len(panel.outline.vertices)) for panel in pattern.panels))
-
-
-class _Frozen(tuple[Any, ...]):
-    """Stitches that can be counted: their extra fields are left out of the hash."""
-
-    def __hash__(self) -> int:
-        return hash(tuple((s.a, s.b, s.same_direction) for s in self))
 
 
 def _numbers(panel: Panel) -> Float[np.ndarray, "vertex 4"]:
@@ -217,6 +212,3 @@ def _outline(numbers: Float[np.ndarray, "vertex 4"]) -> Loop:
         edges.append(Edge(k, (k + 1) % count, bend))
     xy = numbers[:, :2].astype(float) * UNIT_CM
     return Loop(tuple((float(x), float(y)) for x, y in xy), tuple(edges))
-
-
-__all__ = ["Known", "Side", "Vectors", "Vocabulary", "read_patterns", "vectors", "vocabulary"]

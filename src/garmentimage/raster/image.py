@@ -149,7 +149,7 @@ class GarmentImage:
         and logits of types work too; deformation outside is cleared.
 
         Args:
-            array: [17 L, N, N], any real type.
+            array: [17 L, N, N] or [L, 17, N, N], any real type.
             like: where frame, layer names and marks come from; default: the standard frame.
 
         Raises:
@@ -193,6 +193,8 @@ def check_channels(array: np.ndarray) -> np.ndarray:
         raise ImageError(
             f"channels are not an array of numbers ({error}); load_image(path) reads a file"
         ) from None
+    if array.ndim == 4 and array.shape[1] == CHANNELS_PER_LAYER:  # as rows of a dataset have it
+        array = array.reshape(-1, *array.shape[2:])
     if array.ndim != 3 or array.shape[1] != array.shape[2]:
         raise ImageError(f"channels have shape {array.shape}; wanted [17 x layers, N, N]")
     count, grid = array.shape[0], array.shape[1]
