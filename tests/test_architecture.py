@@ -26,7 +26,7 @@ ROOMS = (
     {"drape"},
     {"metrics", "render", "examples"},
     {"dataset"},
-    {"learn"},
+    {"learn", "explore"},
 )
 """The way the data goes; a room imports from itself and from what stands before its step.
 

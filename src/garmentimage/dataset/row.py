@@ -4,6 +4,7 @@ A row depends on the recipe, the seed and its number alone, not on who makes it 
 """
 
 import json
+import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -17,7 +18,7 @@ from garmentimage.dataset.recipe import GarmentType, Recipe
 from garmentimage.draft.sample import Sample, sample
 from garmentimage.drape.wear import drape
 from garmentimage.drape.worn import Worn
-from garmentimage.errors import GarmentImageError
+from garmentimage.errors import DatasetError, GarmentImageError, quoted
 from garmentimage.pattern.spec_writer import pattern_to_spec
 from garmentimage.raster.encode import encode
 from garmentimage.render.look import Look, photograph
@@ -93,10 +94,10 @@ def make_row(task: Task) -> dict[str, Any] | Failed:
         first view as PNG bytes) and `report` (JSON).
     """
     recipe, stage = task.recipe, "draft"
-    body = _chosen(task, _BODY, recipe.wearers(task.split))
+    body = _body(task)
     fabric = _chosen(task, _FABRIC, recipe.fabrics)
     try:
-        garment = _garment(task, body)
+        garment = draw(task)
         stage = "encode"
         image = encode(garment.pattern, task.grid)
         row = _facts(task, garment, body, fabric)
@@ -113,16 +114,37 @@ def make_row(task: Task) -> dict[str, Any] | Failed:
     return row
 
 
-def _garment(task: Task, body: str) -> Sample:
+def draw(task: Task) -> Sample:
+    """The garment of a row.
+
+    Raises:
+        DraftError: it cannot be drafted.
+    """
     drawn = sample(
         task.type.kind,
         1,
         task.garment_seed,
-        body=body,
+        body=_body(task),
         fixed=task.type.fixed,
         first=task.index,
     )
     return next(drawn)
+
+
+def task_of(recipe: Recipe, row_id: str, seed: int, grid: int = 16) -> Task:
+    """Which row has this id.
+
+    Raises:
+        DatasetError: none of this recipe.
+    """
+    found = re.fullmatch(re.escape(recipe.name) + r"-(\d{2})-(\d{7,})", row_id, re.ASCII)
+    if found is None or int(found[1]) >= len(recipe.types):
+        raise DatasetError(f"recipe {recipe.name} has no row {quoted(row_id)}")
+    return Task(recipe, seed, grid, int(found[1]), int(found[2]))
+
+
+def _body(task: Task) -> str:
+    return _chosen(task, _BODY, task.recipe.wearers(task.split))
 
 
 def _chosen(task: Task, stream: int, names: tuple[str, ...]) -> str:

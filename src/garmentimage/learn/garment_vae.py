@@ -8,12 +8,13 @@ place of the grid is one on the body.
 from dataclasses import dataclass
 
 import torch
+from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
 from garmentimage.learn.rasters import INPUTS, LAYERS, VECTOR_CM, Rasters, rest_vectors
-from garmentimage.raster.image import EDGE_TYPE_COUNT
+from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
 FLAGS, TYPES = LAYERS, 2 * LAYERS * EDGE_TYPE_COUNT
 """Channels of a network's images: flags, then edge types, then vectors."""
@@ -23,6 +24,7 @@ FLAGS, TYPES = LAYERS, 2 * LAYERS * EDGE_TYPE_COUNT
 class GarmentVAEConfig:
     """Size of the network, and weights of its losses."""
 
+    channels_contract: str = CHANNEL_CONTRACT
     grid: int = 16
     latent: int = 32
     channels: tuple[int, ...] = (64, 128, 128)
@@ -36,7 +38,7 @@ class GarmentVAEConfig:
     vector_weight: float = 2.0
 
 
-class GarmentVAE(nn.Module):
+class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
     """Images to latent vectors and back."""
 
     def __init__(self, config: GarmentVAEConfig) -> None:
@@ -143,6 +145,17 @@ def image_losses(
         "types": (weight * cross).mean(),
         "vectors": apart / known.sum(),
     }
+
+
+def from_channels(channels: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
+    """Channels, as `GarmentImage.to_channels` gives them, in the order of `Rasters.inputs`."""
+    layers = channels.unflatten(1, (LAYERS, -1))
+    inside = layers[:, :, :1]
+    rest = torch.from_numpy(rest_vectors(channels.shape[-1])).to(channels)
+    vectors = (layers[:, :, 9:] - rest) / VECTOR_CM * inside
+    return torch.cat(
+        [inside.flatten(1, 2), layers[:, :, 1:9].flatten(1, 2), vectors.flatten(1, 2)], 1
+    )
 
 
 def to_channels(outputs: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:

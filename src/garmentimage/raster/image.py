@@ -40,6 +40,8 @@ GRID_LIMITS = (4, 256)
 LAYER_LIMIT = 16
 EDGE_TYPE_COUNT = len(EdgeType)
 CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 8
+CHANNEL_CONTRACT = "garmentimage-1"
+"""What channels mean: their order and units, and the frame. Networks are made for one of these."""
 
 
 @dataclass(frozen=True)

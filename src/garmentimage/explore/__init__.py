@@ -1,0 +1,1 @@
+"""Exploring garments in the latent space of a trained network. Needs no torch."""

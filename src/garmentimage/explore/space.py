@@ -1,0 +1,229 @@
+"""A latent space: a trained network that turns images into short vectors and back.
+
+A space is a folder: `config.json` (what the network was made for), `encoder.onnx` and
+`decoder.onnx` (channels to latent vectors and back, see `GarmentImage.to_channels`), and
+`garments.npz` (the latent vectors of some training garments, with the ids of their rows).
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float32
+
+from garmentimage.draft.parameters import near
+from garmentimage.errors import GarmentImageError, LearnError, quoted
+from garmentimage.files import shown_path
+from garmentimage.metrics.validity import validity
+from garmentimage.pattern.model import Pattern
+from garmentimage.raster.decode import decode
+from garmentimage.raster.encode import encode
+from garmentimage.raster.image import CHANNEL_CONTRACT, GarmentImage
+from garmentimage.raster.repair import RepairLevel, RepairReport, repair
+
+CONFIG, ENCODER, DECODER, GARMENTS = "config.json", "encoder.onnx", "decoder.onnx", "garments.npz"
+DEFAULT = "vae-variety"
+LIKE_IOU = 0.85
+"""Garments whose cells come back with an IoU below this are unlike those that were trained on."""
+
+Latent = Float32[np.ndarray, "latent"]
+
+
+@dataclass(frozen=True)
+class Garments:
+    """Some garments of the training set."""
+
+    ids: tuple[str, ...]
+    types: tuple[str, ...]
+    latents: Float32[np.ndarray, "n latent"]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A point of a latent space, and what garment it is."""
+
+    z: Latent
+    image: GarmentImage
+    """Repaired."""
+    repairs: RepairReport
+    pattern: Pattern | None
+    """None where no garment can be read from the image."""
+    faults: tuple[str, ...]
+    """Why it cannot be cut and sewn; empty where it can."""
+
+
+class LatentSpace:
+    """A trained network and the garments that it was trained on.
+
+    Args:
+        folder: where its files are.
+
+    Raises:
+        LearnError: they are not, or were made for other channels than this version has.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.config = _read_config(self.folder)
+
+    @classmethod
+    def load(cls, name: str | Path = DEFAULT) -> "LatentSpace":
+        """A space that comes with the package, by name, or one in a folder.
+
+        Raises:
+            LearnError: there is none of that name, and no such folder.
+        """
+        shipped = Path(str(files("garmentimage") / "weights"))
+        if str(name) in space_names():
+            return cls(shipped / str(name))
+        if Path(name).is_dir():
+            return cls(name)
+        raise LearnError(
+            f"there is no latent space {quoted(str(name))}; {near(str(name), space_names())}, or "
+            "name the folder of one"
+        )
+
+    @property
+    def grid(self) -> int:
+        """Cells a side, N."""
+        return int(self.config["grid"])
+
+    @property
+    def latent(self) -> int:
+        """Numbers of a latent vector."""
+        return int(self.config["latent"])
+
+    def encode(self, source: Pattern | GarmentImage) -> Latent:
+        """The latent vector of a garment.
+
+        Raises:
+            LearnError: an image of another grid, or of more than one cloth layer.
+            EncodeError: a pattern that does not fit the grid.
+        """
+        return self.encode_channels(self.image(source).to_channels()[None])[0]
+
+    def image(self, source: Pattern | GarmentImage) -> GarmentImage:
+        """A garment as this network sees it."""
+        image = encode(source, self.grid) if isinstance(source, Pattern) else source
+        if image.grid != self.grid or image.layers != 2:
+            raise LearnError(
+                f"an image of {image.layers} layers of {image.grid} x {image.grid} cells; this "
+                f"network takes 2 of {self.grid} x {self.grid}"
+            )
+        return image
+
+    def encode_channels(
+        self, channels: Float32[np.ndarray, "n 34 row col"]
+    ) -> Float32[np.ndarray, "n latent"]:
+        """Latent vectors of images."""
+        return self._encoder.run(None, {"channels": channels.astype(np.float32)})[0]
+
+    def decode_channels(
+        self, z: Float32[np.ndarray, "n latent"]
+    ) -> Float32[np.ndarray, "n 34 row col"]:
+        """Images of latent vectors: probabilities, and vectors in cm, not repaired."""
+        return self._decoder.run(None, {"z": np.asarray(z, np.float32)})[0]
+
+    def step(self, z: Latent, *, repair_level: RepairLevel = "full") -> Step:
+        """The garment at a point of the space, repaired, decoded and checked."""
+        image, repairs = repair(self.decode_channels(z[None])[0], level=repair_level)
+        try:
+            pattern = decode(image, repair="none")
+        except GarmentImageError as error:
+            return Step(z, image, repairs, None, (str(error),))
+        return Step(z, image, repairs, pattern, tuple(validity(pattern)))
+
+    def likeness(self, image: GarmentImage) -> float:
+        """How well a garment comes back: IoU of its cells inside; see `LIKE_IOU`."""
+        again = self.decode_channels(self.encode(image)[None])[0]
+        inside = GarmentImage.from_channels(again).inside
+        return float((inside & image.inside).sum() / max((inside | image.inside).sum(), 1))
+
+    @cached_property
+    def garments(self) -> Garments:
+        """Some garments that it was trained on."""
+        try:
+            with np.load(self.folder / GARMENTS, allow_pickle=False) as file:
+                ids, types, latents = (file[name] for name in ("ids", "types", "latents"))
+            found = Garments(tuple(ids.tolist()), tuple(types.tolist()), latents.astype(np.float32))
+        except (OSError, ValueError, KeyError, EOFError) as error:
+            raise _damaged(self.folder / GARMENTS) from error
+        if found.latents.shape != (len(found.ids), self.latent):
+            raise _damaged(self.folder / GARMENTS)
+        return found
+
+    @cached_property
+    def _encoder(self) -> Any:
+        return _session(self.folder / ENCODER)
+
+    @cached_property
+    def _decoder(self) -> Any:
+        return _session(self.folder / DECODER)
+
+
+def space_names() -> tuple[str, ...]:
+    """Names of the latent spaces that come with the package."""
+    folder = files("garmentimage") / "weights"
+    return tuple(
+        sorted(each.name for each in folder.iterdir() if (each / CONFIG).is_file())
+        if folder.is_dir()
+        else ()
+    )
+
+
+def check_contract(config: Mapping[str, Any], where: str | Path) -> None:
+    """Refuse a network that was made for other channels than this version has.
+
+    Raises:
+        LearnError: says so.
+    """
+    found = config.get("channels_contract")
+    if found != CHANNEL_CONTRACT:
+        raise LearnError(
+            f"{shown_path(where)}: was made for channels {quoted(str(found))}, and this version "
+            f"has {CHANNEL_CONTRACT!r}; train it again, or use the version that it came with"
+        )
+
+
+def _read_config(folder: Path) -> dict[str, Any]:
+    file = folder / CONFIG
+    try:
+        config = json.loads(file.read_text(encoding="utf-8"))
+        numbers: Sequence[Any] = [config["grid"], config["latent"]]
+        if not all(type(n) is int and 1 <= n <= 4096 for n in numbers):
+            raise ValueError
+    except FileNotFoundError:
+        raise LearnError(
+            f"{shown_path(folder)}: holds no trained network (there is no {CONFIG})"
+        ) from None
+    except OSError as error:
+        raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise _damaged(file) from None
+    check_contract(config, file)
+    return config
+
+
+def _session(file: Path) -> Any:
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.log_severity_level = 4
+    try:
+        return onnxruntime.InferenceSession(
+            file.read_bytes(), options, providers=["CPUExecutionProvider"]
+        )
+    except OSError as error:
+        raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
+    except Exception as error:  # onnxruntime has no base class of its own for its errors.
+        raise _damaged(file) from error
+
+
+def _damaged(file: Path) -> LearnError:
+    return LearnError(f"{shown_path(file)}: is damaged, or none of ours; get it again")
