@@ -32,7 +32,18 @@ from garmentimage.draft_commands import (
 )
 from garmentimage.drape_commands import IMAGE_SUFFIXES, drape_arguments, run_drape
 from garmentimage.errors import GarmentImageError, PatternError, PatternFileError
+from garmentimage.explore_commands import (
+    generate_arguments,
+    interpolate_arguments,
+    nearest_arguments,
+    run_generate,
+    run_interpolate,
+    run_nearest,
+    run_transfer,
+    transfer_arguments,
+)
 from garmentimage.files import check_output, shown_path, write_atomically
+from garmentimage.learn_commands import run_train, train_arguments
 from garmentimage.render_commands import render_arguments, run_render
 from garmentimage.terminal import (
     Exit,
@@ -418,4 +429,11 @@ COMMANDS = (
     Command("render", "photograph a garment on a body", render_arguments, run_render),
     Command("build", "make a dataset, or go on with one", build_arguments, run_build),
     Command("dataset", "describe a dataset and draw rows of it", dataset_arguments, run_dataset),
+    Command("train", "train a network on a dataset, or go on with it", train_arguments, run_train),
+    Command(
+        "interpolate", "garments on the way from A to B", interpolate_arguments, run_interpolate
+    ),
+    Command("transfer", "what C becomes by the edit from A to B", transfer_arguments, run_transfer),
+    Command("generate", "draw new garments from a seed", generate_arguments, run_generate),
+    Command("nearest", "find the nearest training garments", nearest_arguments, run_nearest),
 )

@@ -1,5 +1,6 @@
 """Looking at a dataset: its summary, and rows as a contact sheet."""
 
+import hashlib
 import json
 from io import BytesIO
 from pathlib import Path
@@ -48,6 +49,17 @@ def summary_of(folder: Path) -> dict[str, Any]:
             "summary; build it again"
         )
     return summary
+
+
+def dataset_hash(folder: Path) -> str:
+    """SHA-256 that stands for all rows of a built dataset: over the names and hashes of its shards.
+
+    Raises:
+        DatasetError: there is none.
+    """
+    shards = summary_of(folder).get("shards", {})
+    text = "".join(f"{name} {told['sha256']}\n" for name, told in sorted(shards.items()))
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _is_summary(data: Any) -> bool:

@@ -1,12 +1,15 @@
 """A trained network as a latent space: what is used without torch."""
 
 import json
+from collections.abc import Mapping
+from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
+from safetensors.torch import save
 from torch import Tensor, nn
 
 from garmentimage.files import write_together
@@ -17,6 +20,7 @@ OPSET = 18
 KNOWN_A_TYPE = 300
 """Garments of each type that a space knows by heart."""
 CONFIG, ENCODER, DECODER, GARMENTS = "config.json", "encoder.onnx", "decoder.onnx", "garments.npz"
+WEIGHTS, CARD = "model.safetensors", "README.md"
 
 
 class _Encoder(nn.Module):
@@ -37,31 +41,32 @@ class _Decoder(nn.Module):
         return to_channels(self.model.decode(z))
 
 
-def export(model: GarmentVAE, known: Labelled, facts: dict[str, Any], folder: Path) -> None:
-    """Write a latent space: `config.json`, both halves of the network, and garments known by heart.
+def export(
+    model: GarmentVAE, known: Labelled, facts: Mapping[str, Any], card: str, folder: Path
+) -> None:
+    """Write a latent space, and the weights beside it for training on (`from_pretrained`).
 
     Args:
         model: the network.
         known: training garments, of which the first of each type are kept.
         facts: recipe, seed and the like, for `config.json`.
-        folder: where to; it must be there.
+        card: the model card.
+        folder: where to.
     """
     model = model.cpu().eval()
     grid, latent = model.config.grid, model.config.latent
-    config = {
-        "channels_contract": model.config.channels_contract,
-        "grid": grid,
-        "latent": latent,
-        **facts,
-    }
+    halves = {name: value.half() for name, value in model.state_dict().items()}
+    folder.mkdir(parents=True, exist_ok=True)
     write_together(
         {
-            folder / CONFIG: json.dumps(config, indent=1) + "\n",
+            folder / CONFIG: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
+            folder / WEIGHTS: save(halves, {"format": "pt"}),
             folder / ENCODER: _onnx(
                 _Encoder(model), torch.zeros(2, INPUTS, grid, grid), "channels", "z"
             ),
             folder / DECODER: _onnx(_Decoder(model), torch.zeros(2, latent), "z", "channels"),
             folder / GARMENTS: _garments(model, known),
+            folder / CARD: card,
         }
     )
 

@@ -112,9 +112,17 @@ def save_pattern(pattern: Pattern, path: str | os.PathLike[str]) -> None:
         TypeError: it is no Pattern.
     """
     check_type(pattern, Pattern, "decode(image) makes one of an image")
+    write_atomically(path, pattern_text(pattern))
+
+
+def pattern_text(pattern: Pattern) -> str:
+    """What `save_pattern` writes.
+
+    Raises:
+        PatternError: the pattern has a fault that a file cannot hold.
+    """
     data = pattern_to_spec(pattern)
     try:
-        text = json.dumps(data)
+        return json.dumps(data) + "\n"
     except (TypeError, ValueError, RecursionError) as error:
         raise PatternError(f"an extra field cannot be written as JSON ({error})") from None
-    write_atomically(path, text + "\n")

@@ -59,7 +59,7 @@ def save_image(image: GarmentImage, path: str | Path) -> None:
     path = Path(path)
     match path.suffix.lower():
         case ".npz":
-            data = npz_bytes(_to_arrays(image))
+            data = image_bytes(image)
         case ".npy":
             data = npy_bytes(to_authors(image))
         case suffix:
@@ -67,6 +67,11 @@ def save_image(image: GarmentImage, path: str | Path) -> None:
                 f"{shown_path(path)}: images end in .npz or .npy, not {suffix or 'without one'}"
             )
     write_atomically(path, data)
+
+
+def image_bytes(image: GarmentImage) -> bytes:
+    """The image as a `.npz` file, all of it."""
+    return npz_bytes(_to_arrays(image))
 
 
 def load_image(path: str | Path, *, order: ChannelOrder | str | None = None) -> GarmentImage:

@@ -1,0 +1,105 @@
+"""Pictures of a way through a latent space: a strip of all steps, and a film of them."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import UInt8
+
+from garmentimage.drape.wear import drape
+from garmentimage.drape.worn import Worn
+from garmentimage.errors import GarmentImageError
+from garmentimage.explore.space import Step
+from garmentimage.render.flat import draw_pattern
+from garmentimage.render.look import photograph
+from garmentimage.render.raster import draw_image
+from garmentimage.render.show import picture_bytes
+from garmentimage.render.style import FAINT, INK, PAPER, printable
+
+COLUMN_IN, PATTERN_IN, RASTER_IN, WORN_IN, TITLE_IN = 2.5, 2.4, 1.7, 2.5, 0.5
+"""Sizes of a step's drawings [inch]."""
+DPI = 100
+WORN_PIXELS = 320
+FRAME_MS, END_MS = 350, 1200
+"""How long a frame of the film stands, and the first and last."""
+WARNING = "#b3261e"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A step with how it is worn."""
+
+    title: str
+    step: Step
+    worn: Worn | None
+    """None where it cannot be draped."""
+    faults: tuple[str, ...]
+    """Why it cannot be sewn or worn; empty where it can."""
+
+
+def shown(title: str, step: Step) -> Shown:
+    """A step, draped on the default body."""
+    if step.faults or step.pattern is None:
+        return Shown(title, step, None, step.faults)
+    try:
+        worn = drape(step.pattern)
+    except GarmentImageError as error:
+        return Shown(title, step, None, (str(error),))
+    return Shown(title, step, worn, worn.report.faults)
+
+
+def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
+    """All steps beside each other: pattern, raster, and worn; what is wrong with it in red."""
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    width, height = COLUMN_IN * len(columns), TITLE_IN + PATTERN_IN + RASTER_IN + WORN_IN
+    figure = Figure(figsize=(width, height), facecolor=PAPER)
+    for number, column in enumerate(columns):
+        _draw(figure, column, number / len(columns), 1 / len(columns), height)
+    raw = picture_bytes(figure, "png", dpi=DPI)
+    return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
+
+
+def film(columns: Sequence[Shown]) -> bytes:
+    """The steps one after another and back again, as an animated GIF."""
+    from PIL import Image
+
+    frames = [Image.fromarray(strip([column])) for column in columns]
+    frames += frames[-2:0:-1]
+    times = [FRAME_MS] * len(frames)
+    times[0] = times[len(columns) - 1] = END_MS
+    palette = [frame.quantize(128, dither=Image.Dither.NONE) for frame in frames]
+    file = io.BytesIO()
+    palette[0].save(
+        file, format="gif", save_all=True, append_images=palette[1:], duration=times, loop=0
+    )
+    return file.getvalue()
+
+
+def _draw(figure, column: Shown, left: float, wide: float, height: float) -> None:  # type: ignore[no-untyped-def]
+    colour = WARNING if column.faults else INK
+    middle, inset = left + wide / 2, 0.03 * wide
+
+    def axes(bottom: float, tall: float):  # type: ignore[no-untyped-def]
+        box = (left + inset, bottom / height, wide - 2 * inset, tall / height)
+        return figure.add_axes(box)
+
+    words = {"ha": "center", "va": "center", "parse_math": False}
+    top = 1 - 0.3 * TITLE_IN / height
+    figure.text(middle, top, printable(column.title), fontsize=9, color=colour, **words)
+    for line, fault in enumerate(column.faults[:1]):
+        text = printable(fault)[:44]
+        y = 1 - (0.7 + 0.4 * line) * TITLE_IN / height
+        figure.text(middle, y, text, fontsize=5.5, color=WARNING, **words)
+    if column.step.pattern is not None:
+        draw_pattern(column.step.pattern, axes(WORN_IN + RASTER_IN, PATTERN_IN))
+    draw_image(column.step.image, axes(WORN_IN, RASTER_IN))
+    if column.worn is None:
+        y = WORN_IN / 2 / height
+        figure.text(middle, y, "cannot be worn", fontsize=7, color=FAINT, **words)
+        return
+    picture = axes(0.0, WORN_IN)
+    picture.imshow(photograph(column.worn, size=WORN_PIXELS).colour)
+    picture.set_axis_off()

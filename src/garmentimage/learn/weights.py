@@ -1,0 +1,30 @@
+"""Weights on disk: safetensors with `config.json`, as `from_pretrained` reads them."""
+
+from pathlib import Path
+from typing import TypeVar
+
+from torch import nn
+
+from garmentimage.errors import LearnError
+from garmentimage.files import shown_path
+
+Model = TypeVar("Model", bound=nn.Module)
+
+
+def load_weights(kind: type[Model], folder: str | Path) -> Model:
+    """A network from a local folder that `save_pretrained` wrote, ready for use.
+
+    Raises:
+        LearnError: it is not there, damaged, or of another kind or size.
+    """
+    folder = Path(folder)
+    if not (folder / "config.json").is_file():
+        raise LearnError(f"{shown_path(folder)}: holds no network (there is no config.json)")
+    try:
+        model = kind.from_pretrained(str(folder), local_files_only=True)  # type: ignore[attr-defined]
+    except Exception as error:  # What may go wrong spans four libraries.
+        raise LearnError(
+            f"{shown_path(folder)}: holds no {kind.__name__} that can be read "
+            f"({type(error).__name__}); get it again"
+        ) from None
+    return model.eval()  # type: ignore[no-any-return]

@@ -1,0 +1,201 @@
+"""The verb of the command line that trains networks: train."""
+
+import argparse
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from garmentimage.errors import LearnError
+from garmentimage.files import shown_path
+from garmentimage.terminal import Exit, list_facts, print_json, whole_number
+
+if TYPE_CHECKING:
+    from garmentimage.learn.train import Settings
+
+NETWORKS = ("vae", "vector-vae")
+
+
+def train_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `train`."""
+    parser.add_argument("network", metavar="NETWORK", help=" or ".join(NETWORKS))
+    parser.add_argument(
+        "--data", type=Path, required=True, metavar="FOLDER", help="what `build` wrote"
+    )
+    parser.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="RUN", help="a folder; gone on with"
+    )
+    parser.add_argument("--epochs", type=whole_number, metavar="N", help="times through the data")
+    parser.add_argument("--batch", type=whole_number, metavar="N", help="garments a step (64)")
+    parser.add_argument("--rate", type=float, metavar="X", help="highest learning rate (0.002)")
+    parser.add_argument("--beta", type=float, metavar="X", help="weight of the prior")
+    parser.add_argument("--seed", type=whole_number, metavar="N")
+    parser.add_argument("--accelerator", metavar="KIND", help="cpu, gpu or auto (cpu)")
+    parser.add_argument("--devices", type=whole_number, metavar="N", help="on each node (1)")
+    parser.add_argument("--nodes", type=whole_number, metavar="N", help="machines (1)")
+    parser.add_argument("--precision", metavar="P", help="32-true, bf16-mixed, 16-mixed")
+
+
+def run_train(options: argparse.Namespace) -> Exit:
+    """Train a network, or go on with it."""
+    if options.network not in NETWORKS:
+        raise LearnError(f"there is no network {options.network!r}; choose {' or '.join(NETWORKS)}")
+    _need_extra()
+    settings = _settings(options)
+    if options.network == "vae":
+        return _train_vae(options, settings)
+    return _train_vector_vae(options, settings)
+
+
+def _train_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
+    import torch
+
+    from garmentimage.learn.card import card
+    from garmentimage.learn.export import export
+    from garmentimage.learn.garment_vae import GarmentVAE, GarmentVAEConfig
+    from garmentimage.learn.rasters import read_rasters
+    from garmentimage.learn.train import MODEL, train
+
+    known, held_out = (read_rasters(options.data, split) for split in ("train", "validation"))
+    beta = {} if options.beta is None else {"beta": options.beta}
+    config = GarmentVAEConfig(grid=known.rasters.grid, **beta)
+    torch.manual_seed(settings.seed)
+    model = GarmentVAE(config).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    facts = {"network": "vae", "config": asdict(config), **_data_facts(options.data)}
+    with _Bar(settings.epochs) as bar:
+        trained = train(
+            model, known.rasters, held_out.rasters, options.out, settings, facts, bar.line
+        )
+    told = _told(options, settings, trained.log, len(known.ids))
+    what = (
+        "A variational autoencoder of GarmentImages, as in Section 4.1 of the paper: front and "
+        f"back of {config.grid} x {config.grid} cells to {config.latent} numbers and back."
+    )
+    kept = {key: told[key] for key in ("recipe", "seed of the data")}
+    config_facts = {"recipe": kept["recipe"], "seed": kept["seed of the data"]}
+    text = card(f"GarmentImage VAE, {told['recipe']}", what, told, trained.log[-1])
+    export(trained.model, known, config_facts, text, options.out / MODEL)  # type: ignore[arg-type]
+    return _say(options, told, trained.log[-1])
+
+
+def _train_vector_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
+    import torch
+
+    from garmentimage.learn.card import card
+    from garmentimage.learn.train import MODEL, train
+    from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
+    from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
+
+    known, held_out = (read_patterns(options.data, split) for split in ("train", "validation"))
+    words = vocabulary(known)
+    beta = {} if options.beta is None else {"beta": options.beta}
+    config = VectorVAEConfig(len(words.panels), words.vertices, **beta)
+    torch.manual_seed(settings.seed)
+    model = VectorVAE(config)
+    facts = {"network": "vector-vae", "config": asdict(config), **_data_facts(options.data)}
+    with _Bar(settings.epochs) as bar:
+        trained = train(
+            model,
+            vectors(known, words),
+            vectors(held_out, words),
+            options.out,
+            settings,
+            facts,
+            bar.line,
+        )
+    told = _told(options, settings, trained.log, len(known))
+    what = "The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors."
+    text = card(f"Vector VAE, {told['recipe']}", what, told, trained.log[-1])
+    folder = options.out / MODEL
+    trained.model.save_pretrained(folder)  # type: ignore[operator]
+    (folder / "README.md").write_text(text, encoding="utf-8")
+    return _say(options, told, trained.log[-1])
+
+
+# --- what they share -----------------------------------------------------------------------------
+
+
+class _Bar:
+    """Progress by epoch, with the losses."""
+
+    def __init__(self, epochs: int) -> None:
+        from tqdm import tqdm
+
+        self.bar = tqdm(total=epochs, unit="epoch", disable=None, file=sys.stderr)
+
+    def __enter__(self) -> "_Bar":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.bar.close()
+
+    def line(self, told: dict[str, float]) -> None:
+        """After every epoch."""
+        self.bar.n = int(told["epoch"])
+        self.bar.set_postfix(
+            {"loss": f"{told['loss']:.4f}", "held out": f"{told['held-out loss']:.4f}"}
+        )
+
+
+def _settings(options: argparse.Namespace) -> "Settings":
+    from garmentimage.learn.train import Settings
+
+    names = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
+    given = {name: getattr(options, name) for name in names}
+    settings = Settings(**{name: value for name, value in given.items() if value is not None})
+    for name in ("epochs", "batch", "devices", "nodes"):
+        if getattr(settings, name) < 1:
+            raise LearnError(f"--{name} is {getattr(settings, name)}; give 1 or more")
+    if not 0 < settings.rate < 1 or settings.seed < 0:
+        raise LearnError("give --rate between 0 and 1, and --seed from 0")
+    return settings
+
+
+def _data_facts(folder: Path) -> dict[str, Any]:
+    from garmentimage.dataset.sheet import dataset_hash, summary_of
+
+    summary = summary_of(folder)
+    names = ("recipe", "version", "count", "seed", "grid")
+    return {
+        "data": {name: summary.get(name) for name in names}, "data_sha256": dataset_hash(folder)
+    }  # fmt: skip
+
+
+def _told(
+    options: argparse.Namespace, settings: "Settings", log: tuple[dict[str, float], ...], count: int
+) -> dict[str, Any]:
+    from garmentimage.dataset.sheet import dataset_hash, summary_of
+    from garmentimage.provenance import source_commit, versions
+
+    summary = summary_of(options.data)
+    return {
+        "recipe": summary["recipe"],
+        "garments trained on": count,
+        "seed of the data": summary["seed"],
+        "data": f"SHA-256 {dataset_hash(options.data)}",
+        "epochs": settings.epochs,
+        "seed": settings.seed,
+        "minutes": round(sum(line["seconds"] for line in log) / 60, 1),
+        "command": f"garmentimage train {options.network} --data {options.data} --epochs "
+        f"{settings.epochs} --seed {settings.seed} -o {options.out}",
+        "commit": source_commit(),
+        "versions": ", ".join(versions("torch")),
+    }
+
+
+def _say(options: argparse.Namespace, told: dict[str, Any], last: dict[str, float]) -> Exit:
+    if options.json:
+        print_json({"out": str(options.out), **told, "log": last})
+        return Exit.OK
+    short = {key: told[key] for key in ("recipe", "garments trained on", "epochs", "minutes")}
+    print(f"{shown_path(options.out)}: trained, {list_facts(short)}")
+    print(f"{shown_path(options.out / 'model')}: the network; curves.png: its losses")
+    return Exit.OK
+
+
+def _need_extra() -> None:
+    from importlib.util import find_spec
+
+    for name in ("torch", "lightning_fabric", "safetensors", "pyarrow"):
+        if find_spec(name) is None:
+            raise LearnError(f"training needs {name}; install it with `pip install -e '.[learn]'`")
