@@ -17,7 +17,7 @@ SOURCE = ROOT / "src" / "garmentimage"
 ROOMS = (
     {"errors"},
     {"files"},
-    {"provenance"},
+    {"provenance", "interrupts"},
     {"geometry"},
     {"pattern"},
     {"body"},

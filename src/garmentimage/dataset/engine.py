@@ -11,6 +11,7 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from garmentimage.errors import DatasetError, quoted
+from garmentimage.interrupts import ctrl_c_held
 
 WAITING = 2
 """Pieces of work that each worker has before it, at most."""
@@ -103,7 +104,7 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
             _check_workers(client, scheduler)
             yield client
         return
-    with _interrupts_later():
+    with ctrl_c_held():
         cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -113,7 +114,6 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
             silence_logs=logging.CRITICAL,
         )
         client = Client(cluster)
-        client.run(_ignore_interrupts)
     try:
         yield client
     finally:
@@ -138,24 +138,6 @@ def _check_workers(client: Any, scheduler: str) -> None:
             raise DatasetError(
                 f"workers of {scheduler} have garmentimage {version}, not {ours}; install it there"
             )
-
-
-def _ignore_interrupts() -> None:
-    """In a worker: Ctrl-C is for the driver, which stops its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-@contextmanager
-def _interrupts_later() -> Iterator[None]:
-    """Ctrl-C acts after this."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

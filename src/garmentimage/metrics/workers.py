@@ -4,13 +4,13 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from time import monotonic
 from typing import Any, Generic, TypeVar
+
+from garmentimage.interrupts import ctrl_c_held
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -112,7 +112,7 @@ def _hire(work: Callable) -> _Worker:
     before = {name: os.environ.get(name) for name in BLAS_THREADS}
     os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))  # a fresh process reads it as it starts
     try:
-        with _ctrl_c_held():
+        with ctrl_c_held():
             process.start()
     finally:
         for name, value in before.items():
@@ -122,25 +122,6 @@ def _hire(work: Callable) -> _Worker:
                 os.environ[name] = value
     theirs.close()
     return _Worker(process, ours)
-
-
-@contextmanager
-def _ctrl_c_held() -> Iterator[None]:
-    """Ctrl-C waits until the end of the block; processes started in it never hear of it.
-
-    A terminal sends it to every process of a command. Ours ends the workers then; they would only
-    tell where they were. Where signals cannot be held (Windows), `_serve` ignores it a bit later.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    # Started with the first process else, and its start would let Ctrl-C through again.
-    resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _serve(work: Callable, connection: Connection) -> None:
