@@ -27,6 +27,7 @@ ROOMS = (
     {"metrics", "render", "examples"},
     {"dataset"},
     {"learn", "explore"},
+    {"evaluate"},
 )
 """The way the data goes; a room imports from itself and from what stands before its step.
 

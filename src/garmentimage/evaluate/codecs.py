@@ -1,0 +1,86 @@
+"""What is judged: networks that turn garments into latent vectors and back, all in one form."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from jaxtyping import Float32
+
+from garmentimage.errors import DecodeError
+from garmentimage.explore.space import Latent, LatentSpace
+from garmentimage.pattern.model import Pattern
+from garmentimage.raster.encode import encode
+from garmentimage.raster.repair import RepairLevel
+
+
+class Codec(Protocol):
+    """Garments to latent vectors and back."""
+
+    def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
+        """Latent vectors of some garments."""
+
+    def pattern(self, z: Latent) -> Pattern:
+        """The garment of a latent vector, whatever it is.
+
+        Raises:
+            GarmentImageError: there is none.
+        """
+
+
+@dataclass(frozen=True)
+class RasterCodec:
+    """The GarmentImage VAE, at one level of repair."""
+
+    space: LatentSpace
+    level: RepairLevel = "full"
+
+    def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
+        """Latent vectors of some garments."""
+        images = [encode(pattern, self.space.grid).to_channels() for pattern in patterns]
+        return self.space.encode_channels(np.stack(images))
+
+    def pattern(self, z: Latent) -> Pattern:
+        """The garment of a latent vector."""
+        step = self.space.step(z, repair_level=self.level)
+        if step.pattern is None:
+            raise DecodeError(step.faults[0])
+        return step.pattern
+
+
+class VectorCodec:
+    """The vector VAE; stitches and places come from the nearest topology that was trained on.
+
+    Args:
+        folder: the network.
+        data: the dataset that it was trained on, for the topologies.
+    """
+
+    def __init__(self, folder: Path, data: Path) -> None:
+        import torch
+
+        from garmentimage.learn.vector_vae import VectorVAE
+        from garmentimage.learn.vectors import read_patterns, vocabulary
+        from garmentimage.learn.weights import load_weights
+
+        torch.set_num_threads(1)
+        self.words = vocabulary(read_patterns(data, "train"))
+        self.model = load_weights(VectorVAE, folder)
+
+    def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
+        """Latent vectors of some garments."""
+        import torch
+
+        from garmentimage.learn.vectors import vectors
+
+        with torch.no_grad():
+            return self.model.encode(vectors(patterns, self.words))[0].numpy()
+
+    def pattern(self, z: Latent) -> Pattern:
+        """The garment of a latent vector."""
+        import torch
+
+        with torch.no_grad():
+            numbers, there = self.model.decode(torch.from_numpy(np.asarray(z, np.float32))[None])
+        return self.words.pattern(numbers[0].numpy(), there[0].numpy() > 0)

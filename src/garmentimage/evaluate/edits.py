@@ -1,0 +1,152 @@
+"""Edits whose answer is known: triplets of garments, and the garment that the edit should give.
+
+A and B are one design drafted without some part and with it, C is another design without it, and
+the truth is C's design with it: all other parameters are equal. So an edit C + (B - A) is right
+where it has the truth's topology, and its panels tell how well the rest was kept.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from garmentimage.body.measurements import BodyMeasurements, measurements
+from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.parameters import Value
+from garmentimage.draft.sample import sample
+from garmentimage.errors import DraftError, PatternError
+from garmentimage.pattern.model import Pattern
+
+BODY = "mean-female"
+SEED = 7_400_000
+"""Of the designs: no dataset has it."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """A kind of garment with some parameters fixed."""
+
+    kind: str
+    fixed: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Edit:
+    """What is changed, and on which garments."""
+
+    name: str
+    before: Made
+    after: Made
+    on: Made
+    truth: Made
+    unseen: bool = False
+    """No garment of the truth's topology was trained on."""
+
+
+@dataclass(frozen=True)
+class Triplet:
+    """Garments of an edit."""
+
+    edit: Edit
+    number: int
+    a: Pattern
+    b: Pattern
+    c: Pattern
+    truth: Pattern
+
+
+def _made(kind: str, sleeves: str | None = "none", **fixed: Value) -> Made:
+    return Made(kind, ({} if sleeves is None else {"sleeves": sleeves}) | fixed)
+
+
+DRESS, JUMPSUIT = _made("one-panel-dress", cutout="none"), _made("one-panel-jumpsuit")
+TOP_PANTS, TOP_SKIRT = _made("top-pants"), _made("top-skirt")
+SLEEVED_DRESS = _made("one-panel-dress", "set-in", cutout="none")
+SLEEVED_PANTS, SLEEVED_SKIRT = _made("top-pants", "set-in"), _made("top-skirt", "set-in")
+
+
+def _shirt(panels: int, darts: str) -> Made:
+    return _made(
+        "shirt", None, panels_a_side=panels, front_darts=darts, back_darts=darts, cuffs="none"
+    )
+
+
+EDITS: Mapping[str, tuple[Edit, ...]] = {
+    "vae-topology": (
+        Edit("legs", DRESS, JUMPSUIT, DRESS, JUMPSUIT),
+        Edit("waist seam on jumpsuits", JUMPSUIT, TOP_PANTS, JUMPSUIT, TOP_PANTS),
+        Edit("waist seam on dresses", JUMPSUIT, TOP_PANTS, DRESS, TOP_SKIRT, unseen=True),
+    ),
+    "vae-variety": (
+        Edit("sleeves on dresses", TOP_PANTS, SLEEVED_PANTS, DRESS, SLEEVED_DRESS),
+        Edit("sleeves on tops + skirts", DRESS, SLEEVED_DRESS, TOP_SKIRT, SLEEVED_SKIRT),
+        Edit("waist seam on dresses", JUMPSUIT, TOP_PANTS, DRESS, TOP_SKIRT),
+        Edit("skirt to trousers", TOP_SKIRT, TOP_PANTS, SLEEVED_SKIRT, SLEEVED_PANTS),
+    ),
+    "vae-darts": (
+        Edit("darts on two panels", _shirt(2, "none"), _shirt(2, "waist"), _shirt(2, "none"),
+             _shirt(2, "waist")),
+        Edit("two panels of one", _shirt(1, "none"), _shirt(2, "none"), _shirt(1, "none"),
+             _shirt(2, "none")),
+        Edit("darts on one panel", _shirt(2, "none"), _shirt(2, "waist"), _shirt(1, "none"),
+             _shirt(1, "waist"), unseen=True),
+    ),
+}  # fmt: skip
+"""By recipe."""
+
+
+def triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
+    """Designs drawn at random, held out of every dataset by their seed.
+
+    Designs that cannot be drafted as one of the kinds are left out; so numbers may have gaps.
+    """
+    body = measurements(BODY)
+    found, number = 0, 0
+    while found < count:
+        one = next(_drawn(edit.before, seed, number))
+        two = next(_drawn(edit.on, seed + 1, number))
+        number += 1
+        try:
+            made = [
+                drafted(one, edit.before, edit.before, body),
+                drafted(one, edit.before, edit.after, body),
+                drafted(two, edit.on, edit.on, body),
+                drafted(two, edit.on, edit.truth, body),
+            ]
+        except (DraftError, PatternError):
+            continue
+        found += 1
+        yield Triplet(edit, number - 1, *made)
+
+
+def drafted(design: Mapping[str, Any], of: Made, to: Made, body: BodyMeasurements) -> Pattern:
+    """A design of one kind as another: what both kinds have stays, as far as its range allows."""
+    known = (
+        _skirt_of_dress(design, body)
+        if (of.kind, to.kind) == ("one-panel-dress", "top-skirt")
+        else dict(design)
+    )
+    values: dict[str, Value] = {}
+    for name, parameter in KINDS[to.kind].parameters.items():
+        if name in known:
+            value = known[name]
+            values[name] = (
+                value if parameter.options else float(np.clip(value, parameter.low, parameter.high))
+            )
+    return KINDS[to.kind].draft(body, values | dict(to.fixed))
+
+
+def _skirt_of_dress(design: Mapping[str, Any], body: BodyMeasurements) -> dict[str, Any]:
+    """What a dress is below its waist, in the words of a skirt."""
+    return dict(design) | {
+        "skirt_length": design["body_length"] / body.waist_height,
+        "skirt_flare": design["flare"],
+        "skirt_slant": design["hem_slant"],
+        "skirt_fullness": 1.0,
+    }
+
+
+def _drawn(made: Made, seed: int, number: int) -> Iterator[Mapping[str, Any]]:
+    for each in sample(made.kind, 1, seed, body=BODY, fixed=made.fixed, first=number):
+        yield each.parameters

@@ -1,0 +1,310 @@
+"""Exploring a latent space, measured: reconstruction, interpolation, edits (Section 4.1).
+
+Every garment measured on is held out: those of pairs are of the test split, those of edits have a
+seed that no dataset has. Records go to a folder as they come, a file for each stage and network,
+and a run that was stopped goes on.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from garmentimage.errors import GarmentImageError
+from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
+from garmentimage.evaluate.edits import EDITS, Triplet, triplets
+from garmentimage.evaluate.garment import (
+    Seen,
+    outline_distance,
+    panel_overlap,
+    same_graph,
+    seen,
+    silhouette_distance,
+)
+from garmentimage.explore.space import LatentSpace
+from garmentimage.metrics.workers import Lost, map_in_processes
+from garmentimage.pattern.model import Pattern
+from garmentimage.raster.repair import RepairLevel
+
+STEPS = 9
+SEED = 20
+TIME_LIMIT_S = 300.0
+RESAMPLES = 2000
+"""Of the bootstrap."""
+STAGES = ("reconstruction", "interpolation", "edits")
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A network, at a level of repair."""
+
+    name: str
+    folder: str
+    data: str
+    """The dataset that it was trained on, whose test split is measured on."""
+    level: RepairLevel | None
+    """Of the raster network; None for the vector network."""
+
+
+@dataclass(frozen=True)
+class Amounts:
+    """How many of each are measured."""
+
+    garments: int = 300
+    pairs: int = 200
+    """Half of them within a type, half across types."""
+    triplets: int = 100
+    """Of each edit."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One thing to measure."""
+
+    stage: str
+    judged: Judged
+    amounts: Amounts
+    recipe: str
+    number: int
+
+
+def evaluate(
+    networks: Sequence[Judged],
+    recipe: str,
+    folder: Path,
+    amounts: Amounts = Amounts(),
+    *,
+    workers: int = 2,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> dict[str, Any]:
+    """Measure networks on the same garments, and sum up.
+
+    Args:
+        networks: what is measured.
+        recipe: of the datasets; it has the edits.
+        folder: where records go; gone on with.
+        amounts: how many of each.
+        workers: processes.
+        progress: called with how many items are done, and of how many.
+
+    Returns:
+        By network and stage, figures with intervals of 95 %.
+    """
+    counts = {
+        "reconstruction": amounts.garments,
+        "interpolation": amounts.pairs,
+        "edits": amounts.triplets * len(EDITS[recipe]),
+    }
+    items = [
+        Item(stage, judged, amounts, recipe, number)
+        for stage in STAGES
+        for judged in networks
+        for number in range(counts[stage])
+    ]
+    kept = ((item, _kept(folder, item)) for item in items)
+    records = {item: record for item, record in kept if record is not None}
+    missing = [item for item in items if item not in records]
+    progress(len(records), len(items))
+    for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
+        item, made = missing[outcome.number], outcome.result
+        records[item] = {"lost": made.reason} if isinstance(made, Lost) else made
+        _keep(folder, item, records[item])
+        progress(len(records), len(items))
+    return {
+        judged.name: {
+            stage: summary(
+                stage, [records[i] for i in items if (i.stage, i.judged) == (stage, judged)]
+            )
+            for stage in STAGES
+        }
+        for judged in networks
+    }
+
+
+def measured(item: Item) -> dict[str, Any]:
+    """The record of an item."""
+    codec = _codec(item.judged)
+    if item.stage == "reconstruction":
+        return _reconstruction(codec, _held_out(item)[item.number])
+    if item.stage == "interpolation":
+        a, b, kind = _pairs(item.judged.data, item.amounts.pairs)[item.number]
+        return {"kind": kind, **_interpolation(codec, a, b)}
+    return _edit(codec, _triplets(item.recipe, item.amounts.triplets)[item.number])
+
+
+def _reconstruction(codec: Codec, pattern: Pattern) -> dict[str, Any]:
+    found = _decoded(codec, codec.latents([pattern])[0])
+    return {
+        "overlap": panel_overlap(pattern, found.pattern),
+        "graph": same_graph(pattern, found.pattern),
+        "valid": found.valid,
+        "fault": found.fault,
+    }
+
+
+def _interpolation(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
+    start, end = codec.latents([a, b])
+    way = [_decoded(codec, start + share * (end - start)) for share in np.linspace(0, 1, STEPS)]
+    patterns = [one.pattern for one in way if one.pattern is not None]
+    worn = [one.silhouette for one in way if one.silhouette is not None]
+    topologies = [one.topology for one in way]
+    return {
+        "valid": [one.valid for one in way],
+        "faults": [one.fault for one in way],
+        "changes": sum(x != y for x, y in pairwise(topologies)),
+        "outline jump": _jump([outline_distance(x, y) for x, y in pairwise(patterns)]),
+        "silhouette jump": _jump([silhouette_distance(x, y) for x, y in pairwise(worn)]),
+    }
+
+
+def _edit(codec: Codec, triplet: Triplet) -> dict[str, Any]:
+    a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
+    found = _decoded(codec, c + (b - a))
+    wanted = seen(triplet.truth, worn=False).topology
+    same = found.topology == wanted
+    return {
+        "edit": triplet.edit.name,
+        "intended": same,
+        "overlap": panel_overlap(triplet.truth, found.pattern) if same else None,
+        "valid": found.valid,
+        "fault": found.fault,
+    }
+
+
+def _decoded(codec: Codec, z: np.ndarray) -> Seen:
+    try:
+        pattern = codec.pattern(z)
+    except GarmentImageError as error:
+        return seen(None, str(error))
+    return seen(pattern)
+
+
+def _jump(steps: Sequence[float]) -> float | None:
+    """Largest step over the mean one; 1 is perfectly even."""
+    return float(np.max(steps) / np.mean(steps)) if len(steps) and np.mean(steps) > 0 else None
+
+
+@cache
+def _codec(judged: Judged) -> Codec:
+    if judged.level is None:
+        return VectorCodec(Path(judged.folder), Path(judged.data))
+    return RasterCodec(LatentSpace.load(judged.folder), judged.level)
+
+
+@cache
+def _test_split(data: str) -> tuple[list[Pattern], list[str]]:
+    from garmentimage.dataset.read import tables
+    from garmentimage.pattern.spec import pattern_from_spec
+
+    patterns, types = [], []
+    for table in tables(data, "test", ["type", "pattern"]):
+        types += table["type"].to_pylist()
+        patterns += [pattern_from_spec(json.loads(text)) for text in table["pattern"].to_pylist()]
+    return patterns, types
+
+
+def _held_out(item: Item) -> list[Pattern]:
+    patterns, _ = _test_split(item.judged.data)
+    order = np.random.default_rng(SEED).permutation(len(patterns))
+    return [patterns[k] for k in order[: item.amounts.garments]]
+
+
+@cache
+def _pairs(data: str, count: int) -> list[tuple[Pattern, Pattern, str]]:
+    """Pairs of the test split, in turn within a type and across types."""
+    patterns, types = _test_split(data)
+    random = np.random.default_rng(SEED + 1)
+    pairs: list[tuple[Pattern, Pattern, str]] = []
+    while len(pairs) < count:
+        i, j = random.choice(len(patterns), 2, replace=False)
+        wanted = "across" if len(pairs) % 2 else "within"
+        if (types[i] == types[j]) == (wanted == "within"):
+            pairs.append((patterns[i], patterns[j], wanted))
+    return pairs
+
+
+@cache
+def _triplets(recipe: str, count: int) -> list[Triplet]:
+    return [each for edit in EDITS[recipe] for each in triplets(edit, count)]
+
+
+# --- records and figures -------------------------------------------------------------------------
+
+
+def _file(folder: Path, item: Item) -> Path:
+    return folder / f"{item.stage}-{item.judged.name.replace(' ', '-').replace(',', '')}.jsonl"
+
+
+@cache
+def _records(file: Path) -> dict[int, dict[str, Any]]:
+    if not file.exists():
+        return {}
+    lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    return {line.pop("number"): line for line in lines}
+
+
+def _kept(folder: Path, item: Item) -> dict[str, Any] | None:
+    return _records(_file(folder, item)).get(item.number)
+
+
+def _keep(folder: Path, item: Item, record: dict[str, Any]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with _file(folder, item).open("a", encoding="utf-8") as file:
+        file.write(json.dumps({"number": item.number, **record}) + "\n")
+
+
+def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Figures of a stage, each with its interval of 95 %."""
+    found = [record for record in records if "lost" not in record]
+    told: dict[str, Any] = {"measured": len(found), "lost": len(records) - len(found)}
+    for group, rows in _groups(stage, found):
+        for name, values in _values(stage, rows):
+            known = np.array([v for v in values if v is not None], float)
+            if len(known):
+                told[f"{group}{name}"] = _interval(known)
+    return told
+
+
+def _groups(
+    stage: str, records: Sequence[Mapping[str, Any]]
+) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
+    key = {"interpolation": "kind", "edits": "edit"}.get(stage)
+    if key is None:
+        yield "", list(records)
+        return
+    for name in dict.fromkeys(record[key] for record in records):
+        yield f"{name}: ", [record for record in records if record[key] == name]
+
+
+def _values(
+    stage: str, rows: Sequence[Mapping[str, Any]]
+) -> Iterator[tuple[str, list[float | None]]]:
+    if stage == "interpolation":
+        yield "valid steps", [float(np.mean(row["valid"])) for row in rows]
+        for name in ("changes", "outline jump", "silhouette jump"):
+            yield name, [row[name] for row in rows]
+        return
+    names = {
+        "reconstruction": ("overlap", "graph", "valid"),
+        "edits": ("intended", "overlap", "valid"),
+    }
+    for name in names[stage]:
+        yield name, [row[name] for row in rows]
+
+
+def _interval(values: np.ndarray) -> dict[str, float]:
+    random = np.random.default_rng(0)
+    means = random.choice(values, (RESAMPLES, len(values))).mean(1)
+    low, high = np.percentile(means, [2.5, 97.5])
+    return {"mean": round(float(values.mean()), 4), "low": round(float(low), 4),
+            "high": round(float(high), 4), "n": len(values)}  # fmt: skip
+
+
+def facts(networks: Sequence[Judged], amounts: Amounts) -> dict[str, Any]:
+    """What a result was measured on."""
+    return {"networks": [asdict(each) for each in networks], "amounts": asdict(amounts)}

@@ -1,0 +1,114 @@
+"""What is measured of one garment, and of two."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from garmentimage.drape.wear import drape
+from garmentimage.errors import GarmentImageError
+from garmentimage.metrics.matching import loop_polygon, match_panels
+from garmentimage.metrics.stitch_graph import match_graphs, stitch_graph
+from garmentimage.metrics.topology import topology_word
+from garmentimage.metrics.validity import structure_faults, validity
+from garmentimage.pattern.model import Pattern
+from garmentimage.render.look import photograph
+
+SILHOUETTE = 128
+"""Rows and columns of a silhouette [pixel]."""
+OUTLINE_STEP_CM = 2.0
+"""Distance of the points that outlines are compared by."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A garment, and what is measured of it."""
+
+    pattern: Pattern | None
+    fault: str
+    """Why it cannot be cut, sewn or worn; empty where it can."""
+    topology: str
+    """See `topology_word`; empty where its panels or stitches are at fault."""
+    silhouette: Bool[np.ndarray, "row col"] | None
+    """Where the worn garment is, from the front; None where it cannot be worn."""
+
+    @property
+    def valid(self) -> bool:
+        """Whether it can be cut, sewn and worn."""
+        return not self.fault
+
+
+def seen(pattern: Pattern | None, fault: str = "", *, worn: bool = True) -> Seen:
+    """A garment, checked and draped on the default body."""
+    if pattern is None:
+        return Seen(None, fault or "no garment", "", None)
+    faults = structure_faults(pattern)
+    topology = "" if faults else topology_word(stitch_graph(pattern))
+    faults = faults or validity(pattern)
+    if faults or not worn:
+        return Seen(pattern, faults[0] if faults else "", topology, None)
+    try:
+        garment = drape(pattern)
+    except GarmentImageError as error:
+        return Seen(pattern, f"drape: {error}", topology, None)
+    if garment.report.faults:
+        return Seen(pattern, f"drape: {garment.report.faults[0]}", topology, None)
+    cloth = photograph(garment, size=SILHOUETTE).silhouette
+    return Seen(pattern, "", topology, cloth > 0.5)
+
+
+def panel_overlap(truth: Pattern, found: Pattern | None) -> float:
+    """Mean IoU of panels; missing and extra ones count 0."""
+    if found is None or structure_faults(found):
+        return 0.0
+    matching = match_panels(truth, found)
+    count = len(matching.pairs) + len(matching.missing) + len(matching.extra)
+    return sum(pair.iou for pair in matching.pairs) / count
+
+
+def same_graph(truth: Pattern, found: Pattern | None) -> bool:
+    """Whether the same panels are sewn together, in the same order; lengths may differ."""
+    if found is None or structure_faults(found):
+        return False
+    matching = match_panels(truth, found)
+    if matching.missing or matching.extra:
+        return False
+    pairs = {pair.a: (pair.b,) for pair in matching.pairs}
+    graphs = stitch_graph(truth), stitch_graph(found)
+    return match_graphs(*graphs, pairs, check_lengths=False, check_places=False) is not None
+
+
+def outline_distance(a: Pattern, b: Pattern) -> float:
+    """Mean distance of the outlines of two garments, each where it stands at the body [cm].
+
+    From every point of either to the nearest of the other on the same side of the body.
+    """
+    from scipy.spatial import cKDTree
+
+    total = []
+    for one, two in zip(_outlines(a), _outlines(b)):
+        if len(one) and len(two):
+            total += [cKDTree(two).query(one)[0], cKDTree(one).query(two)[0]]
+    return float(np.concatenate(total).mean()) if total else float("inf")
+
+
+def silhouette_distance(a: Bool[np.ndarray, "row col"], b: Bool[np.ndarray, "row col"]) -> float:
+    """1 - IoU of two silhouettes."""
+    return 1 - float((a & b).sum() / max((a | b).sum(), 1))
+
+
+def _outlines(pattern: Pattern) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "m 2"]]:
+    """Points of all outlines in the plane of the body, those in front of it and those behind."""
+    sides: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
+    for panel in pattern.panels:
+        for loop in panel.loops:
+            polygon = loop_polygon(loop)
+            closed = np.concatenate([polygon, polygon[:1]])
+            along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+            count = max(round(along[-1] / OUTLINE_STEP_CM), 3)
+            at = np.linspace(0, along[-1], count, endpoint=False)
+            points = np.stack([np.interp(at, along, closed[:, k]) for k in (0, 1)], 1)
+            world = panel.to_world(points)
+            sides[int(world[:, 2].mean() < 0)].append(world[:, :2])
+    empty = np.zeros((0, 2))
+    return tuple(np.concatenate(side) if side else empty for side in sides)  # type: ignore[return-value]
