@@ -52,13 +52,13 @@ def _train_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
 
     from garmentimage.learn.card import card
     from garmentimage.learn.export import export
-    from garmentimage.learn.garment_vae import GarmentVAE, GarmentVAEConfig
+    from garmentimage.learn.garment_vae import GarmentVAE, default_config
     from garmentimage.learn.rasters import read_rasters
     from garmentimage.learn.train import MODEL, train
 
     known, held_out = (read_rasters(options.data, split) for split in ("train", "validation"))
     beta = {} if options.beta is None else {"beta": options.beta}
-    config = GarmentVAEConfig(grid=known.rasters.grid, **beta)
+    config = default_config(known.rasters.grid, **beta)
     torch.manual_seed(settings.seed)
     model = GarmentVAE(config).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     facts = {"network": "vae", "config": asdict(config), **_data_facts(options.data)}

@@ -12,10 +12,11 @@ from garmentimage.drape.worn import Worn
 from garmentimage.errors import GarmentImageError
 from garmentimage.explore.space import Step
 from garmentimage.render.flat import draw_pattern
-from garmentimage.render.look import photograph
+from garmentimage.render.look import Look, photograph
 from garmentimage.render.raster import draw_image
 from garmentimage.render.show import picture_bytes
 from garmentimage.render.style import FAINT, INK, PAPER, printable
+from garmentimage.render.surface import PAPER_COLOURS
 
 COLUMN_IN, PATTERN_IN, RASTER_IN, WORN_IN, TITLE_IN = 2.5, 2.4, 1.7, 2.5, 0.5
 """Sizes of a step's drawings [inch]."""
@@ -24,6 +25,8 @@ WORN_PIXELS = 320
 FRAME_MS, END_MS = 350, 1200
 """How long a frame of the film stands, and the first and last."""
 WARNING = "#b3261e"
+ONE_COLOUR = Look(colours=dict.fromkeys(PAPER_COLOURS, "lightblue"))
+"""Whatever a panel is called: the same cloth on the whole way."""
 
 
 @dataclass(frozen=True)
@@ -95,11 +98,11 @@ def _draw(figure, column: Shown, left: float, wide: float, height: float) -> Non
         figure.text(middle, y, text, fontsize=5.5, color=WARNING, **words)
     if column.step.pattern is not None:
         draw_pattern(column.step.pattern, axes(WORN_IN + RASTER_IN, PATTERN_IN))
-    draw_image(column.step.image, axes(WORN_IN, RASTER_IN))
+    draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
     if column.worn is None:
         y = WORN_IN / 2 / height
         figure.text(middle, y, "cannot be worn", fontsize=7, color=FAINT, **words)
         return
     picture = axes(0.0, WORN_IN)
-    picture.imshow(photograph(column.worn, size=WORN_PIXELS).colour)
+    picture.imshow(photograph(column.worn, ONE_COLOUR, size=WORN_PIXELS).colour)
     picture.set_axis_off()

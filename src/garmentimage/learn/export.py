@@ -1,6 +1,8 @@
 """A trained network as a latent space: what is used without torch."""
 
 import json
+import logging
+import warnings
 from collections.abc import Mapping
 from dataclasses import asdict
 from io import BytesIO
@@ -93,17 +95,19 @@ def _garments(model: GarmentVAE, known: Labelled) -> bytes:
 
 def _onnx(model: nn.Module, example: Tensor, taken: str, given: str) -> bytes:
     """A network as an ONNX file for any number of examples, weights as 16-bit floats."""
-    batch = torch.export.Dim("n")
-    program = torch.onnx.export(
-        model.eval(),
-        (example,),
-        dynamo=True,
-        input_names=[taken],
-        output_names=[given],
-        opset_version=OPSET,
-        dynamic_shapes=({0: batch},),
-        verbose=False,
-    )
+    logging.getLogger("torch.onnx").setLevel(logging.ERROR)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FutureWarning)  # the exporter's own
+        program = torch.onnx.export(
+            model.eval(),
+            (example,),
+            dynamo=True,
+            input_names=[taken],
+            output_names=[given],
+            opset_version=OPSET,
+            dynamic_shapes=({0: torch.export.Dim("n")},),
+            verbose=False,
+        )
     assert program is not None
     return _halved(program.model_proto)
 

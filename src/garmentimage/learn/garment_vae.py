@@ -5,6 +5,7 @@ each level starts from learnt maps of its places: what a garment is acts on the 
 place of the grid is one on the body.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import torch
@@ -13,6 +14,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from garmentimage.errors import LearnError
 from garmentimage.learn.rasters import INPUTS, LAYERS, VECTOR_CM, Rasters, rest_vectors
 from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
@@ -36,6 +38,22 @@ class GarmentVAEConfig:
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
     vector_weight: float = 2.0
+
+
+LEVELS: Mapping[int, tuple[int, ...]] = {16: (64, 128, 128), 32: (32, 64, 128, 128)}
+"""Channels of each level by grid size: down to 4 x 4 cells."""
+
+
+def default_config(grid: int, **changes: float) -> GarmentVAEConfig:
+    """A network for images of this size.
+
+    Raises:
+        LearnError: there is none for it.
+    """
+    if grid not in LEVELS:
+        sizes = " or ".join(map(str, LEVELS))
+        raise LearnError(f"images of {grid} x {grid} cells; networks are for N = {sizes}")
+    return GarmentVAEConfig(grid=grid, channels=LEVELS[grid], **changes)  # type: ignore[arg-type]
 
 
 class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
@@ -76,7 +94,7 @@ class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", l
     def decode(self, z: Float[Tensor, "n latent"]) -> Float[Tensor, "n 34 row col"]:
         """Logits of flags and types, and vectors, in the order of `Rasters.inputs`."""
         top = len(self.places) - 1
-        x = self.from_latent(z).view(len(z), *self.places[top].shape)
+        x = self.from_latent(z).unflatten(1, tuple(self.places[top].shape))
         for step in range(top + 1):
             x = x + self.places[top - step]
             for number in range(step * self.config.blocks, (step + 1) * self.config.blocks):
