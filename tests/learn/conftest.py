@@ -1,0 +1,14 @@
+import pytest
+
+from garmentimage.dataset.build import DATA, Build, make_shard, plan
+from garmentimage.dataset.recipe import recipe
+
+
+@pytest.fixture(scope="session")
+def data(tmp_path_factory):
+    """A small dataset of `vae-topology`, without its summary."""
+    folder = tmp_path_factory.mktemp("topology")
+    (folder / DATA).mkdir()
+    for shard in plan(Build(recipe("vae-topology"), folder, 20)):
+        (folder / DATA / shard.name).write_bytes(make_shard(shard))
+    return folder

@@ -1,0 +1,56 @@
+"""Rasters for networks: nothing is lost on the way there and back."""
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+
+from garmentimage.errors import DatasetError
+from garmentimage.learn.garment_vae import FLAGS, TYPES, from_channels, image_losses, to_channels
+from garmentimage.learn.rasters import Rasters, read_rasters
+from garmentimage.learn.rasters import from_channels as rasters_from_channels
+from garmentimage.raster.image import GarmentImage
+from tests.images import images
+
+SURE = 30.0
+
+
+def rasters_of(image: GarmentImage) -> Rasters:
+    channels = image.to_channels()
+    return rasters_from_channels(channels.reshape(1, 2, 17, image.grid, image.grid))
+
+
+def sure(inputs: torch.Tensor) -> torch.Tensor:
+    """What a network gives that is sure of an image."""
+    flags, types, vectors = inputs.split([FLAGS, TYPES, inputs.shape[1] - FLAGS - TYPES], 1)
+    return torch.cat([SURE * (2 * flags - 1), SURE * types, vectors], 1)
+
+
+@given(images(layers=2, grids=(4, 8, 16)))
+def test_what_a_network_is_sure_of_is_the_image_it_saw(image):
+    image = image.without_marks()
+    seen = rasters_of(image).inputs()
+    channels = torch.from_numpy(image.to_channels())[None]
+    assert torch.allclose(from_channels(channels), seen, atol=0.02)
+    told = to_channels(sure(from_channels(channels)))[0].numpy()
+    again = GarmentImage.from_channels(told)
+    assert np.array_equal(again.inside, image.inside)
+    assert np.array_equal(again.edge_type, image.edge_type)
+    assert np.allclose(again.deformation, image.deformation, atol=1e-3)
+
+
+@given(images(layers=2, grids=(4, 8, 16)))
+def test_a_network_that_is_sure_and_right_loses_nothing(image):
+    truth = rasters_of(image.without_marks())
+    losses = image_losses(sure(truth.inputs()), truth, 3.0)
+    assert all(float(value) < 1e-6 for value in losses.values())
+
+
+def test_rasters_of_a_split_are_those_of_its_rows(data):
+    found = read_rasters(data, "train")
+    assert len(found.ids) == len(found.types) == len(found.rasters) == 54
+    assert found.rasters.grid == 16 and found.rasters.vectors.dtype == torch.float16
+    part = found.rasters.batch(torch.tensor([3]))
+    assert torch.equal(part.inside[0], found.rasters.inside[3])
+    with pytest.raises(DatasetError, match="there is no split 'tests'"):
+        read_rasters(data, "tests")

@@ -1,0 +1,99 @@
+"""Training: the same for a seed, gone on with after a stop, and honest about what went wrong."""
+
+import json
+from dataclasses import replace
+
+import pytest
+import torch
+
+from garmentimage.errors import LearnError
+from garmentimage.learn.garment_vae import GarmentVAE, GarmentVAEConfig, default_config
+from garmentimage.learn.rasters import read_rasters
+from garmentimage.learn.train import Settings, train
+from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
+from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
+
+TINY = GarmentVAEConfig(channels=(16, 16, 16), latent=8)
+SHORT = Settings(epochs=3, batch=16)
+
+
+class Stopped(Exception):
+    pass
+
+
+def run(data, folder, settings=SHORT, progress=lambda line: None):
+    torch.manual_seed(settings.seed)
+    known, held_out = (read_rasters(data, split).rasters for split in ("train", "validation"))
+    model = GarmentVAE(TINY)
+    return train(model, known, held_out, folder, settings, {"network": "tiny"}, progress)
+
+
+def weights(trained) -> torch.Tensor:
+    return torch.cat([value.flatten() for value in trained.model.parameters()])
+
+
+@pytest.mark.slow
+def test_a_stopped_run_goes_on_to_the_same_weights(data, tmp_path):
+    whole = run(data, tmp_path / "whole")
+
+    def stop(line):
+        if line["epoch"] == 2:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        run(data, tmp_path / "cut", progress=stop)
+    again = run(data, tmp_path / "cut")
+    assert torch.equal(weights(whole), weights(again))
+    assert [line["epoch"] for line in again.log] == [1, 2, 3]
+    assert whole.log[-1]["loss"] < whole.log[0]["loss"]
+    lines = (tmp_path / "cut" / "log.jsonl").read_text().splitlines()
+    assert json.loads(lines[1])["loss"] == whole.log[1]["loss"]
+    assert (tmp_path / "cut" / "curves.png").read_bytes().startswith(b"\x89PNG")
+    assert list((tmp_path / "cut" / "tensorboard").iterdir())
+
+
+@pytest.mark.slow
+def test_another_run_in_the_same_folder_is_refused(data, tmp_path):
+    run(data, tmp_path, replace(SHORT, epochs=1))
+    with pytest.raises(LearnError, match="holds a run with other settings"):
+        run(data, tmp_path, replace(SHORT, epochs=1, seed=1))
+    (tmp_path / "run.json").write_text("[")
+    with pytest.raises(LearnError, match=r"run\.json: is damaged"):
+        run(data, tmp_path, replace(SHORT, epochs=1))
+
+
+@pytest.mark.slow
+def test_a_network_learns_a_few_garments_by_heart(data):
+    torch.manual_seed(0)
+    few = read_rasters(data, "train").rasters.batch(torch.arange(6))
+    model = GarmentVAE(GarmentVAEConfig(channels=(32, 32, 32), beta=0.0))
+    optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
+    first = float(model(few)["loss"].detach())
+    for _ in range(150):
+        optimizer.zero_grad()
+        model(few)["loss"].backward()
+        optimizer.step()
+    last = {name: float(value.detach()) for name, value in model(few).items()}
+    assert last["loss"] < 0.1 * first
+    assert last["flags"] < 0.02 and last["types"] < 0.1
+
+
+def test_networks_take_the_grids_that_they_are_for():
+    for grid in (16, 32):
+        model = GarmentVAE(default_config(grid))
+        mean, log_variance = model.encode(torch.zeros(2, 34, grid, grid))
+        assert mean.shape == log_variance.shape == (2, 32)
+        assert model.decode(mean).shape == (2, 34, grid, grid)
+    with pytest.raises(LearnError, match="networks are for N = 16 or 32"):
+        default_config(24)
+
+
+def test_a_vector_vae_tells_every_vertex_of_every_panel(data):
+    patterns = read_patterns(data, "validation")
+    words = vocabulary(patterns)
+    batch = vectors(patterns, words)
+    torch.manual_seed(0)
+    model = VectorVAE(VectorVAEConfig(len(words.panels), words.vertices, width=32, layers=1))
+    assert all(torch.isfinite(value) for value in model(batch).values())
+    numbers, there = model.decode(model.encode(batch)[0])
+    assert numbers.shape == batch.numbers.shape and there.shape == batch.there.shape

@@ -1,0 +1,57 @@
+"""Vectors, the baseline's form of a garment: what they keep, and what they cannot tell."""
+
+import numpy as np
+import pytest
+
+from garmentimage.draft.sample import sample
+from garmentimage.errors import DecodeError, LearnError
+from garmentimage.learn.vectors import read_patterns, topology_of, vectors, vocabulary
+from garmentimage.metrics import match_panels, validity
+
+KINDS = {"one-panel-dress": {"cutout": "none"}, "top-pants": {}, "skirt": {}}
+
+
+def garments(count, first=0):
+    return [
+        each.pattern
+        for kind, fixed in KINDS.items()
+        for each in sample(kind, count, 3, fixed=fixed, first=first)
+    ]
+
+
+KNOWN = garments(40)
+WORDS = vocabulary(KNOWN)
+
+
+def test_garments_of_a_known_topology_come_back():
+    new = [p for p in garments(15, first=1000) if topology_of(p) in WORDS.topologies]
+    assert len(new) > 20
+    for pattern in new:
+        again = WORDS.pattern(*WORDS.vectors(pattern))
+        assert [p.name for p in again.panels] == sorted(p.name for p in pattern.panels)
+        matching = match_panels(pattern, again, by_name=True)
+        assert min(pair.iou for pair in matching.pairs) > 0.9
+        assert not validity(again)
+
+
+def test_panels_that_no_topology_has_take_the_nearest_one():
+    found = dict(topology_of(KNOWN[0])) | {"waistband_front": 4}
+    assert WORDS.nearest(found) == topology_of(KNOWN[0])
+
+
+def test_a_garment_without_panels_is_refused():
+    numbers, there = WORDS.vectors(KNOWN[-1])
+    with pytest.raises(DecodeError, match="hold no panel"):
+        WORDS.pattern(numbers, np.zeros_like(there))
+
+
+def test_panels_of_no_known_kind_are_refused():
+    with pytest.raises(LearnError, match="cannot be told in vectors"):
+        WORDS.vectors(next(sample("hoodie", 1, 0)).pattern)
+
+
+def test_vectors_of_a_split_go_into_batches(data):
+    patterns = read_patterns(data, "train")
+    found = vectors(patterns, vocabulary(patterns))
+    assert len(found) == 54
+    assert found.numbers.shape[:3] == found.there.shape
