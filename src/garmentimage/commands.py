@@ -32,6 +32,7 @@ from garmentimage.draft_commands import (
 )
 from garmentimage.drape_commands import IMAGE_SUFFIXES, drape_arguments, run_drape
 from garmentimage.errors import GarmentImageError, PatternError, PatternFileError
+from garmentimage.evaluate_commands import evaluate_arguments, run_evaluate
 from garmentimage.explore_commands import (
     generate_arguments,
     interpolate_arguments,
@@ -436,4 +437,5 @@ COMMANDS = (
     Command("transfer", "what C becomes by the edit from A to B", transfer_arguments, run_transfer),
     Command("generate", "draw new garments from a seed", generate_arguments, run_generate),
     Command("nearest", "find the nearest training garments", nearest_arguments, run_nearest),
+    Command("evaluate", "measure networks on held-out garments", evaluate_arguments, run_evaluate),
 )

@@ -187,7 +187,8 @@ def _write(
     results: dict[str | PathLike[str], bytes | str] = {}
     for number, column in enumerate(columns):
         path = options.out / safe_name(f"{word}-{number}")
-        results[path.with_suffix(".npz")] = image_bytes(column.step.image)
+        if column.step.image is not None:
+            results[path.with_suffix(".npz")] = image_bytes(column.step.image)
         if column.step.pattern is not None:
             results[path.with_suffix(".json")] = pattern_text(column.step.pattern)
         if column.worn is not None:
@@ -225,7 +226,7 @@ def _tell(options: argparse.Namespace, word: str, columns: "Sequence[Shown]") ->
             "name": safe_name(f"{word}-{number}"),
             "title": column.title,
             "panels": len(column.step.pattern.panels) if column.step.pattern else 0,
-            "repairs": dict(column.step.repairs.counts),
+            "repairs": dict(column.step.repairs.counts) if column.step.repairs else {},
             "faults": [one_line(fault) for fault in column.faults],
         }
         for number, column in enumerate(columns)

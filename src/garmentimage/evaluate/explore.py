@@ -128,13 +128,13 @@ def evaluate(
 
 def measured(item: Item) -> dict[str, Any]:
     """The record of an item."""
-    codec = _codec(item.judged)
+    codec = codec_of(item.judged)
     if item.stage == "reconstruction":
         return _reconstruction(codec, _held_out(item)[item.number])
     if item.stage == "interpolation":
-        a, b, kind = _pairs(item.judged.data, item.amounts.pairs)[item.number]
+        a, b, kind = pairs_of(item.judged.data, item.amounts.pairs)[item.number]
         return {"kind": kind, **_interpolation(codec, a, b)}
-    return _edit(codec, _triplets(item.recipe, item.amounts.triplets)[item.number])
+    return _edit(codec, triplets_of(item.recipe, item.amounts.triplets)[item.number])
 
 
 def _reconstruction(codec: Codec, pattern: Pattern) -> dict[str, Any]:
@@ -190,7 +190,8 @@ def _jump(steps: Sequence[float]) -> float | None:
 
 
 @cache
-def _codec(judged: Judged) -> Codec:
+def codec_of(judged: Judged) -> Codec:
+    """A network, loaded once in each process."""
     if judged.level is None:
         return VectorCodec(Path(judged.folder), Path(judged.data))
     return RasterCodec(LatentSpace.load(judged.folder), judged.level)
@@ -215,7 +216,7 @@ def _held_out(item: Item) -> list[Pattern]:
 
 
 @cache
-def _pairs(data: str, count: int) -> list[tuple[Pattern, Pattern, str]]:
+def pairs_of(data: str, count: int) -> list[tuple[Pattern, Pattern, str]]:
     """Pairs of the test split, in turn within a type and across types."""
     patterns, types = _test_split(data)
     random = np.random.default_rng(SEED + 1)
@@ -229,7 +230,8 @@ def _pairs(data: str, count: int) -> list[tuple[Pattern, Pattern, str]]:
 
 
 @cache
-def _triplets(recipe: str, count: int) -> list[Triplet]:
+def triplets_of(recipe: str, count: int) -> list[Triplet]:
+    """The triplets of all edits of a recipe, edit by edit."""
     return [each for edit in EDITS[recipe] for each in triplets(edit, count)]
 
 

@@ -48,9 +48,9 @@ class Step:
     """A point of a latent space, and what garment it is."""
 
     z: Latent
-    image: GarmentImage
-    """Repaired."""
-    repairs: RepairReport
+    image: GarmentImage | None
+    """Repaired; None where the network makes no images."""
+    repairs: RepairReport | None
     pattern: Pattern | None
     """None where no garment can be read from the image."""
     faults: tuple[str, ...]

@@ -98,7 +98,8 @@ def _draw(figure, column: Shown, left: float, wide: float, height: float) -> Non
         figure.text(middle, y, text, fontsize=5.5, color=WARNING, **words)
     if column.step.pattern is not None:
         draw_pattern(column.step.pattern, axes(WORN_IN + RASTER_IN, PATTERN_IN))
-    draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
+    if column.step.image is not None:
+        draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
     if column.worn is None:
         y = WORN_IN / 2 / height
         figure.text(middle, y, "cannot be worn", fontsize=7, color=FAINT, **words)

@@ -1,0 +1,50 @@
+"""Figures of exploration: the same ways through both networks' spaces, one over the other."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import UInt8
+
+from garmentimage.errors import GarmentImageError
+from garmentimage.evaluate.codecs import Codec
+from garmentimage.evaluate.edits import Triplet
+from garmentimage.explore.space import Step
+from garmentimage.explore.strip import Shown, shown, strip
+from garmentimage.metrics.validity import validity
+from garmentimage.pattern.model import Pattern
+
+
+def way_picture(
+    codecs: Sequence[Codec], a: Pattern, b: Pattern, steps: int
+) -> UInt8[np.ndarray, "row col 3"]:
+    """The way from one garment to another through each space."""
+    rows = []
+    for codec in codecs:
+        start, end = codec.latents([a, b])
+        shares = np.linspace(0, 1, steps)
+        titles = [f"{k}/{steps - 1}" for k in range(steps)]
+        latents = [start + share * (end - start) for share in shares]
+        rows.append(strip([_shown(codec, t, z) for t, z in zip(titles, latents)]))
+    return np.concatenate(rows)
+
+
+def edit_picture(codecs: Sequence[Codec], triplet: Triplet) -> UInt8[np.ndarray, "row col 3"]:
+    """A, B, C, C + (B - A), and what it should be, through each space."""
+    rows = []
+    for codec in codecs:
+        a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
+        latents = {"A": a, "B": b, "C": c, "C + (B - A)": c + (b - a)}
+        columns = [_shown(codec, title, z) for title, z in latents.items()]
+        rows.append(strip([*columns, shown("wanted", _step(a, triplet.truth))]))
+    return np.concatenate(rows)
+
+
+def _shown(codec: Codec, title: str, z: np.ndarray) -> Shown:
+    try:
+        return shown(title, _step(z, codec.pattern(z)))
+    except GarmentImageError as error:
+        return shown(title, Step(z, None, None, None, (str(error),)))
+
+
+def _step(z: np.ndarray, pattern: Pattern) -> Step:
+    return Step(z, None, None, pattern, tuple(validity(pattern)))

@@ -1,0 +1,27 @@
+"""Figures as tables of Markdown."""
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def markdown(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
+    """One row for each figure, one column for each network; intervals of 95 % in brackets."""
+    names = list(figures)
+    lines = [f"| | {' | '.join(names)} |", "|---" * (len(names) + 1) + "|"]
+    for stage in figures[names[0]]:
+        keys = dict.fromkeys(
+            key
+            for name in names
+            for key, value in figures[name][stage].items()
+            if isinstance(value, Mapping)
+        )
+        for key in keys:
+            cells = [_cell(figures[name][stage].get(key)) for name in names]
+            lines.append(f"| {stage}: {key} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _cell(value: Mapping[str, float] | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value['mean']:.3f} ({value['low']:.3f} to {value['high']:.3f})"
