@@ -17,12 +17,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from garmentimage.errors import (
+    DatasetError,
     DecodeError,
     DraftError,
     DrapeError,
     EncodeError,
     GarmentImageError,
     ImageError,
+    LearnError,
     OutputError,
     PatternError,
     PatternFileError,
@@ -45,6 +47,8 @@ if TYPE_CHECKING:
     from garmentimage.drape.wear import check_worn
     from garmentimage.drape.wear import drape as drape_pattern
     from garmentimage.drape.worn import Worn
+    from garmentimage.explore.space import LatentSpace
+    from garmentimage.explore.walk import generate, interpolate, nearest, transfer
     from garmentimage.pattern.model import Pattern
     from garmentimage.pattern.spec import load_pattern, save_pattern
     from garmentimage.raster.decode import decode
@@ -86,6 +90,11 @@ _WHERE = {
     "outfit": "garmentimage.drape.outfit",
     "save_worn": "garmentimage.drape.export",
     "load_worn": "garmentimage.drape.glb",
+    "LatentSpace": "garmentimage.explore.space",
+    "interpolate": "garmentimage.explore.walk",
+    "transfer": "garmentimage.explore.walk",
+    "generate": "garmentimage.explore.walk",
+    "nearest": "garmentimage.explore.walk",
     "Look": "garmentimage.render.look",
     "photograph": "garmentimage.render.look",
     "save_png": "garmentimage.render.png",
@@ -95,6 +104,7 @@ __all__ = [
     "Body",
     "BodyFrame",
     "BodyMeasurements",
+    "DatasetError",
     "DecodeError",
     "DraftError",
     "DrapeError",
@@ -104,6 +114,8 @@ __all__ = [
     "GarmentImage",
     "GarmentImageError",
     "ImageError",
+    "LatentSpace",
+    "LearnError",
     "Look",
     "OutputError",
     "Pattern",
@@ -118,6 +130,8 @@ __all__ = [
     "draft_pattern",
     "drape_pattern",
     "encode",
+    "generate",
+    "interpolate",
     "kinds",
     "load_body",
     "load_body_file",
@@ -125,6 +139,7 @@ __all__ = [
     "load_pattern",
     "load_worn",
     "measurements",
+    "nearest",
     "outfit",
     "photograph",
     "repair",
@@ -133,6 +148,7 @@ __all__ = [
     "save_pattern",
     "save_png",
     "save_worn",
+    "transfer",
 ]
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float32
 
 from garmentimage.errors import DecodeError
-from garmentimage.explore.space import Latent, LatentSpace
+from garmentimage.explore.space import Latent, LatentSpace, Step
+from garmentimage.metrics.validity import validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.encode import encode
 from garmentimage.raster.repair import RepairLevel
@@ -21,12 +22,8 @@ class Codec(Protocol):
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of some garments."""
 
-    def pattern(self, z: Latent) -> Pattern:
-        """The garment of a latent vector, whatever it is.
-
-        Raises:
-            GarmentImageError: there is none.
-        """
+    def step(self, z: Latent) -> Step:
+        """The garment of a latent vector, whatever it is."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +38,9 @@ class RasterCodec:
         images = [encode(pattern, self.space.grid).to_channels() for pattern in patterns]
         return self.space.encode_channels(np.stack(images))
 
-    def pattern(self, z: Latent) -> Pattern:
+    def step(self, z: Latent) -> Step:
         """The garment of a latent vector."""
-        step = self.space.step(z, repair_level=self.level)
-        if step.pattern is None:
-            raise DecodeError(step.faults[0])
-        return step.pattern
+        return self.space.step(z, repair_level=self.level)
 
 
 class VectorCodec:
@@ -77,10 +71,14 @@ class VectorCodec:
         with torch.no_grad():
             return self.model.encode(vectors(patterns, self.words))[0].numpy()
 
-    def pattern(self, z: Latent) -> Pattern:
+    def step(self, z: Latent) -> Step:
         """The garment of a latent vector."""
         import torch
 
         with torch.no_grad():
             numbers, there = self.model.decode(torch.from_numpy(np.asarray(z, np.float32))[None])
-        return self.words.pattern(numbers[0].numpy(), there[0].numpy() > 0)
+        try:
+            pattern = self.words.pattern(numbers[0].numpy(), there[0].numpy() > 0)
+        except DecodeError as error:
+            return Step(z, None, None, None, (str(error),))
+        return Step(z, None, None, pattern, tuple(validity(pattern)))

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.errors import GarmentImageError
 from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
 from garmentimage.evaluate.edits import EDITS, Triplet, triplets
 from garmentimage.evaluate.garment import (
@@ -177,11 +176,8 @@ def _edit(codec: Codec, triplet: Triplet) -> dict[str, Any]:
 
 
 def _decoded(codec: Codec, z: np.ndarray) -> Seen:
-    try:
-        pattern = codec.pattern(z)
-    except GarmentImageError as error:
-        return seen(None, str(error))
-    return seen(pattern)
+    step = codec.step(z)
+    return seen(step.pattern, step.faults[0] if step.faults else "")
 
 
 def _jump(steps: Sequence[float]) -> float | None:

@@ -5,12 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import UInt8
 
-from garmentimage.errors import GarmentImageError
 from garmentimage.evaluate.codecs import Codec
 from garmentimage.evaluate.edits import Triplet
 from garmentimage.explore.space import Step
-from garmentimage.explore.strip import Shown, shown, strip
-from garmentimage.metrics.validity import validity
+from garmentimage.explore.strip import shown, strip
 from garmentimage.pattern.model import Pattern
 
 
@@ -24,7 +22,7 @@ def way_picture(
         shares = np.linspace(0, 1, steps)
         titles = [f"{k}/{steps - 1}" for k in range(steps)]
         latents = [start + share * (end - start) for share in shares]
-        rows.append(strip([_shown(codec, t, z) for t, z in zip(titles, latents)]))
+        rows.append(strip([shown(t, codec.step(z)) for t, z in zip(titles, latents)]))
     return np.concatenate(rows)
 
 
@@ -34,17 +32,6 @@ def edit_picture(codecs: Sequence[Codec], triplet: Triplet) -> UInt8[np.ndarray,
     for codec in codecs:
         a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
         latents = {"A": a, "B": b, "C": c, "C + (B - A)": c + (b - a)}
-        columns = [_shown(codec, title, z) for title, z in latents.items()]
-        rows.append(strip([*columns, shown("wanted", _step(a, triplet.truth))]))
+        columns = [shown(title, codec.step(z)) for title, z in latents.items()]
+        rows.append(strip([*columns, shown("wanted", Step(a, None, None, triplet.truth, ()))]))
     return np.concatenate(rows)
-
-
-def _shown(codec: Codec, title: str, z: np.ndarray) -> Shown:
-    try:
-        return shown(title, _step(z, codec.pattern(z)))
-    except GarmentImageError as error:
-        return shown(title, Step(z, None, None, None, (str(error),)))
-
-
-def _step(z: np.ndarray, pattern: Pattern) -> Step:
-    return Step(z, None, None, pattern, tuple(validity(pattern)))

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import UInt8
@@ -17,6 +18,10 @@ from garmentimage.render.raster import draw_image
 from garmentimage.render.show import picture_bytes
 from garmentimage.render.style import FAINT, INK, PAPER, printable
 from garmentimage.render.surface import PAPER_COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 COLUMN_IN, PATTERN_IN, RASTER_IN, WORN_IN, TITLE_IN = 2.5, 2.4, 1.7, 2.5, 0.5
 """Sizes of a step's drawings [inch]."""
@@ -57,10 +62,12 @@ def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
     from matplotlib.figure import Figure
     from PIL import Image
 
-    width, height = COLUMN_IN * len(columns), TITLE_IN + PATTERN_IN + RASTER_IN + WORN_IN
+    raster = RASTER_IN if any(column.step.image is not None for column in columns) else 0.0
+    width, height = COLUMN_IN * len(columns), TITLE_IN + PATTERN_IN + raster + WORN_IN
     figure = Figure(figsize=(width, height), facecolor=PAPER)
     for number, column in enumerate(columns):
-        _draw(figure, column, number / len(columns), 1 / len(columns), height)
+        place = (number / len(columns), 1 / len(columns))
+        _draw(figure, column, place, height, height - TITLE_IN - PATTERN_IN)
     raw = picture_bytes(figure, "png", dpi=DPI)
     return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
 
@@ -81,28 +88,38 @@ def film(columns: Sequence[Shown]) -> bytes:
     return file.getvalue()
 
 
-def _draw(figure, column: Shown, left: float, wide: float, height: float) -> None:  # type: ignore[no-untyped-def]
+def _draw(
+    figure: "Figure", column: Shown, place: tuple[float, float], height: float, floor: float
+) -> None:
+    """One column, from `place[0]`, `place[1]` wide; `floor` is where the pattern stands [inch]."""
     colour = WARNING if column.faults else INK
+    left, wide = place
     middle, inset = left + wide / 2, 0.03 * wide
 
-    def axes(bottom: float, tall: float):  # type: ignore[no-untyped-def]
-        box = (left + inset, bottom / height, wide - 2 * inset, tall / height)
-        return figure.add_axes(box)
+    def axes(bottom: float, tall: float) -> "Axes":
+        return figure.add_axes((left + inset, bottom / height, wide - 2 * inset, tall / height))
 
-    words = {"ha": "center", "va": "center", "parse_math": False}
-    top = 1 - 0.3 * TITLE_IN / height
-    figure.text(middle, top, printable(column.title), fontsize=9, color=colour, **words)
-    for line, fault in enumerate(column.faults[:1]):
-        text = printable(fault)[:44]
-        y = 1 - (0.7 + 0.4 * line) * TITLE_IN / height
-        figure.text(middle, y, text, fontsize=5.5, color=WARNING, **words)
+    def write(y: float, text: str, size: float, colour: str) -> None:
+        figure.text(
+            middle,
+            y / height,
+            printable(text),
+            fontsize=size,
+            color=colour,
+            ha="center",
+            va="center",
+            parse_math=False,
+        )
+
+    write(height - 0.3 * TITLE_IN, column.title, 9, colour)
+    if column.faults:
+        write(height - 0.7 * TITLE_IN, column.faults[0][:44], 5.5, WARNING)
     if column.step.pattern is not None:
-        draw_pattern(column.step.pattern, axes(WORN_IN + RASTER_IN, PATTERN_IN))
+        draw_pattern(column.step.pattern, axes(floor, PATTERN_IN))
     if column.step.image is not None:
         draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
     if column.worn is None:
-        y = WORN_IN / 2 / height
-        figure.text(middle, y, "cannot be worn", fontsize=7, color=FAINT, **words)
+        write(WORN_IN / 2, "cannot be worn", 7, FAINT)
         return
     picture = axes(0.0, WORN_IN)
     picture.imshow(photograph(column.worn, ONE_COLOUR, size=WORN_PIXELS).colour)

@@ -87,7 +87,7 @@ def nearest(space: LatentSpace, source: Source, count: int = 5) -> list[tuple[st
 
 
 def _between(start: Latent, end: Latent, share: float) -> Latent:
-    return (start + np.float32(share) * (end - start)).astype(np.float32)
+    return ((1 - share) * start + share * end).astype(np.float32)
 
 
 def _drawn(space: LatentSpace, name: str, random: np.random.Generator) -> Latent:

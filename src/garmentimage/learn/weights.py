@@ -1,5 +1,7 @@
 """Weights on disk: safetensors with `config.json`, as `from_pretrained` reads them."""
 
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import TypeVar
 
@@ -21,7 +23,8 @@ def load_weights(kind: type[Model], folder: str | Path) -> Model:
     if not (folder / "config.json").is_file():
         raise LearnError(f"{shown_path(folder)}: holds no network (there is no config.json)")
     try:
-        model = kind.from_pretrained(str(folder), local_files_only=True)  # type: ignore[attr-defined]
+        with redirect_stdout(StringIO()):  # It would tell where it loads from.
+            model = kind.from_pretrained(str(folder), local_files_only=True)  # type: ignore[attr-defined]
     except Exception as error:  # What may go wrong spans four libraries.
         raise LearnError(
             f"{shown_path(folder)}: holds no {kind.__name__} that can be read "

@@ -1,0 +1,83 @@
+"""The commands that explore: what they write, and what they say of a user's mistakes."""
+
+import json
+
+import pytest
+
+from garmentimage import load_image, load_pattern
+from garmentimage.cli import main
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("patterns")
+    for kind in ("one-panel-dress", "top-pants", "one-panel-jumpsuit", "hoodie"):
+        assert main(["draft", kind, "-o", str(folder / f"{kind}.json")]) == 0
+    return {path.stem: str(path) for path in folder.iterdir()}
+
+
+@pytest.mark.slow
+def test_interpolate_writes_every_step_a_strip_and_a_film(files, tmp_path, capsys):
+    out = tmp_path / "new" / "way"
+    words = ["interpolate", files["one-panel-dress"], files["top-pants"], "--steps", "3"]
+    assert main([*words, "-o", str(out)]) == 0
+    assert "step-0: 2 panels" in capsys.readouterr().out
+    for number in range(3):
+        assert load_image(out / f"step-{number}.npz").grid == 16
+        assert load_pattern(out / f"step-{number}.json").panels
+        assert (out / f"step-{number}.glb").read_bytes().startswith(b"glTF")
+    assert (out / "strip.png").read_bytes().startswith(b"\x89PNG")
+    assert (out / "film.gif").read_bytes().startswith(b"GIF89a")
+
+
+@pytest.mark.slow
+def test_transfer_generate_and_nearest_write_what_they_say(files, tmp_path, capsys):
+    before, after, garment = (
+        files[kind] for kind in ("one-panel-jumpsuit", "top-pants", "one-panel-dress")
+    )
+    assert main(["transfer", before, after, garment, "-o", str(tmp_path / "edit"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [each["title"] for each in told["garments"]] == ["A", "B", "C", "C + (B - A)"]
+    words = ["generate", "--count", "2", "--type", "top + skirt", "-o", str(tmp_path / "new")]
+    assert main(words) == 0
+    assert load_pattern(tmp_path / "new" / "garment-1.json").panels
+    assert main(["nearest", garment, "--count", "2", "-o", str(tmp_path / "near")]) == 0
+    assert (tmp_path / "near" / "nearest.png").exists()
+    assert len(list((tmp_path / "near").glob("vae-variety-*.json"))) == 2
+
+
+def test_a_garment_of_another_kind_is_warned_of(files, tmp_path, capsys):
+    words = ["nearest", files["hoodie"], "--count", "1", "-o", str(tmp_path / "near")]
+    assert main(words) == 0
+    assert "is unlike the garments that vae-variety was trained on" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["generate", "--space", "nowhere"], "there is no latent space 'nowhere'"),
+        (["generate", "--count", "0"], "0 garments of seed 0; give 1 or more"),
+        (["generate", "--type", "hat"], "the network knows no type 'hat'"),
+        (["nearest", "nowhere.json"], "nowhere.json: there is no such file"),
+        (["evaluate", "words", "--data", "x"], "there is no subject 'words'"),
+        (["evaluate", "explore", "--data", "x"], "holds no finished dataset"),
+        (["train", "gan", "--data", "x"], "there is no network 'gan'"),
+        (["train", "vae", "--data", "x"], "has no shards|holds no|has no split"),
+        (["train", "vae", "--data", "x", "--rate", "7"], "--rate between 0 and 1"),
+        (["train", "vae", "--data", "x", "--epochs", "0"], "--epochs is 0; give 1 or more"),
+    ],
+)
+def test_mistakes_are_told_in_a_sentence(tmp_path, monkeypatch, capsys, words, sentence):
+    import re
+
+    monkeypatch.chdir(tmp_path)
+    assert main([*words, "-o", "out"]) == 2
+    said = capsys.readouterr().err
+    assert re.search(sentence, said) and said.count("\n") == 1
+    assert not list(tmp_path.rglob("*.json"))
+
+
+def test_a_file_where_the_folder_should_be_is_told(files, tmp_path, capsys):
+    (tmp_path / "out").write_text("")
+    assert main(["nearest", files["hoodie"], "-o", str(tmp_path / "out")]) == 2
+    assert "is a file; name a folder" in capsys.readouterr().err

@@ -1,0 +1,139 @@
+"""Latent spaces of the package: what goes in comes back, and what lies between can be sewn."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from garmentimage.draft.kinds import draft
+from garmentimage.draft.sample import sample
+from garmentimage.errors import DatasetError, LearnError
+from garmentimage.explore.space import LatentSpace, space_names
+from garmentimage.explore.walk import generate, interpolate, nearest, transfer
+from garmentimage.metrics import match_panels, stitch_graph, validity
+from garmentimage.metrics.topology import topology_word
+from garmentimage.raster.encode import encode
+
+
+@pytest.fixture(scope="module")
+def space():
+    return LatentSpace.load()
+
+
+def word(pattern) -> str:
+    return topology_word(stitch_graph(pattern))
+
+
+@pytest.mark.parametrize("kind", ["one-panel-dress", "top-pants", "top-skirt"])
+def test_new_garments_come_back_from_their_latent_vectors(space, kind):
+    for each in sample(kind, 8, seed=991, fixed={"sleeves": "none"}):
+        if any(panel.holes for panel in each.pattern.panels):
+            continue
+        step = space.step(space.encode(each.pattern))
+        assert not step.faults and step.pattern is not None
+        assert word(step.pattern) == word(each.pattern)
+        assert min(pair.iou for pair in match_panels(each.pattern, step.pattern).pairs) > 0.8
+
+
+def test_the_way_between_two_garments_begins_and_ends_with_them(space):
+    a, b = draft("one-panel-dress"), draft("top-pants")
+    way = interpolate(space, a, b, 5)
+    assert len(way) == 5
+    assert np.allclose(way[0].z, space.encode(a), atol=1e-5)
+    assert np.allclose(way[-1].z, space.encode(b), atol=1e-5)
+    assert word(way[0].pattern) == word(a) and word(way[-1].pattern) == word(b)
+    assert all(step.pattern is not None and not validity(step.pattern) for step in way)
+    for steps in (1, 201):
+        with pytest.raises(LearnError, match=f"{steps} steps; give 2 to 200"):
+            interpolate(space, a, b, steps)
+
+
+def test_an_edit_of_nothing_changes_nothing(space):
+    a, b = draft("top-skirt"), draft("one-panel-dress")
+    assert np.allclose(transfer(space, a, a, b).z, space.encode(b), atol=1e-5)
+    assert np.allclose(transfer(space, a, b, a).z, space.encode(b), atol=1e-5)
+
+
+def test_generated_garments_depend_on_seed_and_number_alone(space):
+    many = list(generate(space, 4, seed=3))
+    assert np.array_equal(many[2].z, list(generate(space, 3, seed=3))[2].z)
+    assert not np.array_equal(many[0].z, next(generate(space, 1, seed=4)).z)
+    assert all(not step.faults for step in many)
+    with pytest.raises(LearnError, match=r"knows no type 'top \+ skrit'; did you mean"):
+        next(generate(space, 1, type_name="top + skrit"))
+    with pytest.raises(LearnError, match="0 garments"):
+        next(generate(space, 0))
+
+
+def test_a_training_garment_is_nearest_to_itself(space):
+    row_id, apart, pattern = nearest(space, draft("top-skirt"), 1)[0]
+    again, nothing, _ = nearest(space, pattern, 1)[0]
+    assert again == row_id and nothing < 0.05 < apart
+    with pytest.raises(LearnError, match="0 garments; give 1 to"):
+        nearest(space, pattern, 0)
+
+
+def test_garments_unlike_those_trained_on_are_told(space):
+    known = space.likeness(space.image(draft("one-panel-dress")))
+    strange = space.likeness(space.image(draft("hoodie")))
+    assert known > 0.95 > 0.9 > strange
+
+
+def test_images_that_the_network_does_not_take_are_refused(space):
+    with pytest.raises(LearnError, match="an image of 2 layers of 32 x 32 cells"):
+        space.encode(encode(draft("tank"), 32))
+
+
+def test_spaces_that_are_not_there_are_told():
+    with pytest.raises(LearnError, match="there is no latent space 'vae-varity'; did you mean"):
+        LatentSpace.load("vae-varity")
+    assert "vae-variety" in space_names()
+
+
+@pytest.mark.parametrize(
+    ("name", "damage", "sentence"),
+    [
+        ("config.json", b"{", "is damaged"),
+        ("config.json", b"[" * 100_000, "is damaged"),
+        ("config.json", b'{"grid": -1, "latent": 32}', "is damaged"),
+        ("encoder.onnx", b"no network", "is damaged, or none of ours"),
+        ("decoder.onnx", b"", "is damaged, or none of ours"),
+        ("garments.npz", b"PK", "is damaged, or none of ours"),
+    ],
+)
+def test_damaged_spaces_are_told_by_file(space, tmp_path, name, damage, sentence):
+    folder = tmp_path / "space"
+    shutil.copytree(space.folder, folder)
+    (folder / name).write_bytes(damage)
+    with pytest.raises(LearnError, match=f"{name}: {sentence}"):
+        broken = LatentSpace(folder)
+        broken.step(broken.encode(draft("tank")))
+        assert broken.garments
+    (folder / name).unlink()
+    with pytest.raises(LearnError):
+        broken = LatentSpace(folder)
+        broken.step(broken.encode(draft("tank")))
+        assert broken.garments
+
+
+def test_a_network_for_other_channels_is_refused(space, tmp_path):
+    folder = tmp_path / "space"
+    shutil.copytree(space.folder, folder)
+    config = json.loads((folder / "config.json").read_text())
+    (folder / "config.json").write_text(json.dumps(config | {"channels_contract": "other-9"}))
+    with pytest.raises(LearnError, match="was made for channels 'other-9', and this version has"):
+        LatentSpace(folder)
+
+
+def test_rows_are_named_by_ids():
+    from garmentimage.dataset.recipe import recipe
+    from garmentimage.dataset.row import Task, draw, task_of
+
+    chosen = recipe("vae-variety")
+    task = Task(chosen, 5, 16, 2, 31)
+    assert task_of(chosen, task.row_id, 5) == task
+    assert draw(task).index == 31
+    for wrong in ("vae-variety-99-0000001", "d2-00-0000001", "vae-variety-02-31", ""):
+        with pytest.raises(DatasetError, match="has no row"):
+            task_of(chosen, wrong, 5)
