@@ -133,7 +133,7 @@ class LatentSpace:
         """The garment at a point of the space, repaired, decoded and checked."""
         image, repairs = repair(self.decode_channels(z[None])[0], level=repair_level)
         try:
-            pattern = decode(image, repair="none")
+            pattern = decode(image, repair=repair_level)
         except GarmentImageError as error:
             return Step(z, image, repairs, None, (str(error),))
         return Step(z, image, repairs, pattern, tuple(validity(pattern)))

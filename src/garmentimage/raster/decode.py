@@ -42,6 +42,7 @@ from garmentimage.raster.outlines import (
 from garmentimage.raster.repair import RepairLevel
 from garmentimage.raster.repair import repair as repair_image
 from garmentimage.raster.seams import CutLoop, cut_into_edges
+from garmentimage.raster.walls import without_flaps
 
 POSITION_WEIGHT = 1e-6
 """Weight of the position term of Eq. 2; it only fixes where the panel lies."""
@@ -78,7 +79,7 @@ def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") ->
     Deterministic, for any garment. A panel's boundary is refitted to lines and smooth curves; one
     edge of it has one partner. Where curves would cross, the polyline stays; a panel whose very
     polyline crosses itself has overlapping slits sewn up, then is pulled towards the undeformed
-    grid.
+    grid; with full repair, cuts that end inside a panel are left out at last.
 
     Args:
         image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
@@ -91,6 +92,17 @@ def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") ->
     image, _ = repair_image(image, level=repair)
     if not image.inside.any():
         raise DecodeError("the image is empty: no cell is inside a panel")
+    try:
+        return _decoded(image)
+    except DecodeError:
+        mended, count = without_flaps(image) if repair == "full" else (image, 0)
+        if not count:
+            raise
+        return _decoded(mended)
+
+
+def _decoded(image: GarmentImage) -> Pattern:
+    """The pattern of an image as it stands."""
     labels, panel_count = label_panels(image.inside, image.edge_type)
     if panel_count > MOST_PANELS:
         raise DecodeError(

@@ -8,6 +8,8 @@ Costs are negative log probabilities [nats]. A rule that weighs them changes fla
 place, and the costs too, so that its decision lasts.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -196,6 +198,43 @@ def _interfaces(
             found.setdefault(a, {}).setdefault(b, []).append((h, row, col))
             found.setdefault(b, {}).setdefault(a, []).append((h, row, col))
     return found
+
+
+def without_flaps(image: GarmentImage) -> tuple[GarmentImage, int]:
+    """The image without cuts that end inside a panel and are not sewn to their own other side.
+
+    Such a cut is `NON_STITCH` or `FRONT_TO_BACK`; it goes from its tip as far as another wall.
+
+    Returns:
+        The image, and how many grid edges were mended; a front-to-back one goes on both layers.
+    """
+    types, count = image.edge_type.copy(), 0
+    inner = np.stack([_inner_edges(inside) for inside in image.inside])
+    while True:
+        flaps = [
+            (layer, wall)
+            for layer in range(image.layers)
+            for h, row, col in np.argwhere(inner[layer] & _is_cut(types[layer])).tolist()
+            if _has_tip(types[layer], wall := (h, row, col))
+        ]
+        if not flaps:
+            return replace(image, edge_type=types), count
+        for layer, wall in flaps:
+            other = layer ^ 1
+            if types[layer][wall] == _FRONT_TO_BACK and other < image.layers:
+                types[other][wall] = _NON_BOUNDARY if inner[other][wall] else _NON_STITCH
+            types[layer][wall] = _NON_BOUNDARY
+            count += 1
+
+
+def _has_tip(types: np.ndarray, wall: Wall) -> bool:
+    """Whether nothing else that bounds cloth meets one end of a grid edge."""
+    meeting = ([w for w in _around(types, end) if types[w] > 0] for end in _ends(wall))
+    return any(len(walls) == 1 for walls in meeting)
+
+
+def _is_cut(types: np.ndarray) -> np.ndarray:
+    return (types == _NON_STITCH) | (types == _FRONT_TO_BACK)
 
 
 def mend_paper_cases(

@@ -1,0 +1,46 @@
+"""Cuts that end inside a panel: left out where no outline can be made with them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from garmentimage.draft.kinds import draft
+from garmentimage.errors import DecodeError
+from garmentimage.metrics import stitch_graph
+from garmentimage.metrics.topology import topology_word
+from garmentimage.raster.decode import decode
+from garmentimage.raster.encode import encode
+from garmentimage.raster.image import LEFT, EdgeType
+from garmentimage.raster.walls import without_flaps
+
+DRESS = encode(draft("one-panel-dress"), 16)
+
+
+def with_flap(kind: EdgeType, length: int):
+    """The dress with a cut from the middle of its hem, without any opening."""
+    types = DRESS.edge_type.copy()
+    lowest = int(np.flatnonzero(DRESS.inside[0, :, 8])[0])
+    layers = (0, 1) if kind == EdgeType.FRONT_TO_BACK else (0,)
+    for layer in layers:
+        types[layer, LEFT, lowest : lowest + length, 8] = kind
+    return replace(DRESS, edge_type=types)
+
+
+@pytest.mark.parametrize("kind", [EdgeType.FRONT_TO_BACK, EdgeType.NON_STITCH])
+@pytest.mark.parametrize("length", [1, 3])
+def test_a_cut_without_opening_is_left_out(kind, length):
+    image = with_flap(kind, length)
+    with pytest.raises(DecodeError, match="crosses itself"):
+        decode(image, repair="none")
+    word = topology_word(stitch_graph(decode(image)))
+    assert word == topology_word(stitch_graph(decode(DRESS)))
+    mended, count = without_flaps(image)
+    assert mended.same_channels(DRESS)
+    assert count >= length
+
+
+def test_images_without_such_cuts_stay():
+    for kind in ("one-panel-jumpsuit", "top-pants", "shirt", "hoodie"):
+        image = encode(draft(kind), 16)
+        assert without_flaps(image) == (image, 0)
