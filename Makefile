@@ -3,6 +3,7 @@
 # make check   format, lint, types, quick tests: before every commit
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
 # make picture the pictures in the README
+# make explore networks of docs/explore.md, trained anew and measured: about 5 hours on two cores
 # make bench   encode, decode, import and start, timed on one core
 
 OLDEST_TO_NEWEST := (3, 11) <= sys.version_info[:2] <= (3, 13)
@@ -13,7 +14,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 WORKERS ?= 2
 
-.PHONY: demo test check lint corpus picture bench clean
+.PHONY: demo test check lint corpus picture explore bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
@@ -37,6 +38,16 @@ picture: $(VENV)/ready
 		-o docs/pattern-raster-pattern.png
 	$(BIN)/garmentimage gallery -o docs/gallery.png
 	$(BIN)/python scripts/draw_worn.py docs/worn.png
+
+explore: $(VENV)/ready-dev
+	for name in topology variety darts; do \
+		$(BIN)/garmentimage build vae-$$name -o data/vae-$$name && \
+		$(BIN)/garmentimage train vae --data data/vae-$$name --epochs 30 -o runs/vae-$$name && \
+		$(BIN)/garmentimage train vector-vae --data data/vae-$$name --epochs 60 \
+			-o runs/vector-vae-$$name && \
+		$(BIN)/garmentimage evaluate explore --data data/vae-$$name --vae runs/vae-$$name/model \
+			--vectors runs/vector-vae-$$name/model -o runs/explore-$$name || exit 1; \
+	done
 
 bench: $(VENV)/ready
 	$(BIN)/python benchmarks/speed.py

@@ -32,6 +32,7 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BODIES = (ROOT / "docs" / "bodies.md").read_text(encoding="utf-8")
 DRAPE = (ROOT / "docs" / "drape.md").read_text(encoding="utf-8")
+EXPLORE = (ROOT / "docs" / "explore.md").read_text(encoding="utf-8")
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 
 
@@ -62,6 +63,19 @@ def test_the_commands_of_the_readme_run_as_written(tmp_path, monkeypatch, capsys
         program, *arguments = words
         assert program == "garmentimage"
         assert main(arguments) == 0, line
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_exploring_runs_as_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    for line in blocks(EXPLORE, "sh")[0].splitlines():
+        program, *arguments = shlex.split(line)
+        if program == "garmentimage":
+            assert main(arguments) == 0, line
+    (code,) = blocks(EXPLORE, "python")
+    exec(code, {})
     assert "Traceback" not in capsys.readouterr().err
 
 

@@ -1,0 +1,67 @@
+"""Networks on disk: the same with torch and without, and a sentence for what is no network."""
+
+import numpy as np
+import pytest
+import torch
+
+from garmentimage.errors import LearnError
+from garmentimage.explore.space import LatentSpace
+from garmentimage.learn.export import export
+from garmentimage.learn.garment_vae import GarmentVAE, GarmentVAEConfig, from_channels, to_channels
+from garmentimage.learn.rasters import read_rasters
+from garmentimage.learn.vector_vae import VectorVAE
+from garmentimage.learn.weights import load_weights
+
+
+@pytest.fixture(scope="module")
+def made(data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("network") / "model"
+    torch.manual_seed(3)
+    model = GarmentVAE(GarmentVAEConfig(channels=(16, 32, 32), latent=6)).eval()
+    export(model, read_rasters(data, "train"), {"recipe": "vae-topology", "seed": 0}, "#", folder)
+    return model, folder
+
+
+@pytest.mark.slow
+def test_a_network_gives_the_same_with_torch_and_without(made):
+    model, folder = made
+    space = LatentSpace(folder)
+    assert (space.grid, space.latent) == (16, 6)
+    random = np.random.default_rng(0)
+    channels = random.random((3, 34, 16, 16), np.float32)
+    with torch.no_grad():
+        z = model.encode(from_channels(torch.from_numpy(channels)))[0].numpy()
+        images = to_channels(model.decode(torch.from_numpy(z))).numpy()
+    assert np.allclose(space.encode_channels(channels), z, atol=0.02)
+    assert np.allclose(space.decode_channels(z), images, atol=0.05)
+    assert np.allclose(space.encode_channels(channels[:1]), z[:1], atol=0.02)
+
+
+@pytest.mark.slow
+def test_a_space_knows_the_first_garments_of_each_type(made):
+    model, folder = made
+    known = LatentSpace(folder).garments
+    assert len(known.ids) == len(set(known.ids)) == 54 and len(set(known.types)) == 3
+    assert known.latents.shape == (54, 6) and np.isfinite(known.latents).all()
+
+
+@pytest.mark.slow
+def test_weights_are_read_for_training_on(made):
+    model, folder = made
+    again = load_weights(GarmentVAE, folder)
+    assert again.config == model.config
+    for ours, theirs in zip(model.parameters(), again.parameters()):
+        assert torch.allclose(ours, theirs, atol=1e-3) and theirs.dtype == torch.float32
+
+
+@pytest.mark.slow
+def test_what_is_no_network_is_told(made, tmp_path):
+    _, folder = made
+    with pytest.raises(LearnError, match="holds no network"):
+        load_weights(GarmentVAE, tmp_path)
+    with pytest.raises(LearnError, match="holds no VectorVAE that can be read"):
+        load_weights(VectorVAE, folder)
+    (tmp_path / "config.json").write_text((folder / "config.json").read_text())
+    (tmp_path / "model.safetensors").write_bytes(b"\x00" * 100)
+    with pytest.raises(LearnError, match="holds no GarmentVAE that can be read"):
+        load_weights(GarmentVAE, tmp_path)
