@@ -66,9 +66,11 @@ def test_figures_have_intervals_that_hold_their_mean():
 
 def test_edits_without_the_intended_topology_do_not_count_for_the_overlap():
     rows = [
-        {"edit": "legs", "intended": True, "overlap": 0.9, "valid": True},
-        {"edit": "legs", "intended": False, "overlap": None, "valid": True},
+        {"edit": "legs", "intended": True, "overlap": 0.9, "valid": True, "becomes": "intended"},
+        {"edit": "legs", "intended": False, "overlap": None, "valid": True, "becomes": "as B"},
     ]
     told = summary("edits", json.loads(json.dumps(rows)))
     assert told["legs: intended"]["mean"] == 0.5
     assert told["legs: overlap"] == {"mean": 0.9, "low": 0.9, "high": 0.9, "n": 1}
+    assert told["legs: becomes"] == {"intended": 1, "as B": 1}
+    assert "| edits: legs: becomes | intended 1, as B 1 |" in markdown({"ours": {"edits": told}})

@@ -6,6 +6,7 @@ and a run that was stopped goes on.
 """
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -164,15 +165,28 @@ def _interpolation(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
 def _edit(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
     found = _decoded(codec, c + (b - a))
-    wanted = seen(triplet.truth, worn=False).topology
-    same = found.topology == wanted
+    same = found.topology == _topology(triplet.truth)
     return {
         "edit": triplet.edit.name,
         "intended": same,
+        "becomes": _outcome(found, triplet),
         "overlap": panel_overlap(triplet.truth, found.pattern) if same else None,
         "valid": found.valid,
         "fault": found.fault,
     }
+
+
+def _outcome(found: Seen, triplet: Triplet) -> str:
+    """Whose topology the garment has after an edit."""
+    if not found.topology:
+        return "no garment"
+    names = {"intended": triplet.truth, "as C, unchanged": triplet.c, "as B": triplet.b}
+    names["as A"] = triplet.a
+    return next((n for n, p in names.items() if found.topology == _topology(p)), "another")
+
+
+def _topology(pattern: Pattern) -> str:
+    return seen(pattern, worn=False).topology
 
 
 def _decoded(codec: Codec, z: np.ndarray) -> Seen:
@@ -261,6 +275,8 @@ def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     found = [record for record in records if "lost" not in record]
     told: dict[str, Any] = {"measured": len(found), "lost": len(records) - len(found)}
     for group, rows in _groups(stage, found):
+        if stage == "edits":
+            told[f"{group}becomes"] = dict(Counter(row["becomes"] for row in rows).most_common())
         for name, values in _values(stage, rows):
             known = np.array([v for v in values if v is not None], float)
             if len(known):

@@ -24,4 +24,6 @@ def markdown(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
 def _cell(value: Mapping[str, float] | None) -> str:
     if value is None:
         return "-"
+    if "mean" not in value:
+        return ", ".join(f"{name} {count}" for name, count in value.items())
     return f"{value['mean']:.3f} ({value['low']:.3f} to {value['high']:.3f})"
