@@ -1,6 +1,7 @@
 """The verb of the command line that trains networks: train."""
 
 import argparse
+import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -165,9 +166,10 @@ def _told(
     options: argparse.Namespace, settings: "Settings", log: tuple[dict[str, float], ...], count: int
 ) -> dict[str, Any]:
     from garmentimage.dataset.sheet import dataset_hash, summary_of
-    from garmentimage.provenance import source_commit, versions
+    from garmentimage.learn.train import RUN_FILE
 
     summary = summary_of(options.data)
+    run = json.loads((options.out / RUN_FILE).read_text(encoding="utf-8"))
     return {
         "recipe": summary["recipe"],
         "garments trained on": count,
@@ -178,8 +180,8 @@ def _told(
         "minutes": round(sum(line["seconds"] for line in log) / 60, 1),
         "command": f"garmentimage train {options.network} --data {options.data} --epochs "
         f"{settings.epochs} --seed {settings.seed} -o {options.out}",
-        "commit": source_commit(),
-        "versions": ", ".join(versions("torch")),
+        "commit": run["commit"],
+        "versions": ", ".join(run["versions"]),
     }
 
 

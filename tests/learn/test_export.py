@@ -18,6 +18,7 @@ def made(data, tmp_path_factory):
     folder = tmp_path_factory.mktemp("network") / "model"
     torch.manual_seed(3)
     model = GarmentVAE(GarmentVAEConfig(channels=(16, 32, 32), latent=6)).eval()
+    model = model.to(memory_format=torch.channels_last)  # as it is trained
     export(model, read_rasters(data, "train"), {"recipe": "vae-topology", "seed": 0}, "#", folder)
     return model, folder
 

@@ -57,7 +57,7 @@ def export(
     """
     model = model.cpu().eval()
     grid, latent = model.config.grid, model.config.latent
-    halves = {name: value.half() for name, value in model.state_dict().items()}
+    halves = {name: value.half().contiguous() for name, value in model.state_dict().items()}
     folder.mkdir(parents=True, exist_ok=True)
     write_together(
         {
