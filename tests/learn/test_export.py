@@ -62,7 +62,12 @@ def test_what_is_no_network_is_told(made, tmp_path):
         load_weights(GarmentVAE, tmp_path)
     with pytest.raises(LearnError, match="holds no VectorVAE that can be read"):
         load_weights(VectorVAE, folder)
-    (tmp_path / "config.json").write_text((folder / "config.json").read_text())
+    config = (folder / "config.json").read_text()
+    (tmp_path / "config.json").write_text(config.replace("garmentimage-1", "other-9"))
+    (tmp_path / "model.safetensors").write_bytes((folder / "model.safetensors").read_bytes())
+    with pytest.raises(LearnError, match="made for channels 'other-9', and this version has"):
+        load_weights(GarmentVAE, tmp_path)
+    (tmp_path / "config.json").write_text(config)
     (tmp_path / "model.safetensors").write_bytes(b"\x00" * 100)
     with pytest.raises(LearnError, match="holds no GarmentVAE that can be read"):
         load_weights(GarmentVAE, tmp_path)

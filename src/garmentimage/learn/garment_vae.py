@@ -14,7 +14,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from garmentimage.errors import LearnError
+from garmentimage.errors import LearnError, quoted
 from garmentimage.learn.rasters import INPUTS, LAYERS, VECTOR_CM, Rasters, rest_vectors
 from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
@@ -38,6 +38,14 @@ class GarmentVAEConfig:
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
     vector_weight: float = 2.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists
+        if self.channels_contract != CHANNEL_CONTRACT:
+            raise LearnError(
+                f"the network was made for channels {quoted(self.channels_contract)}, and this "
+                f"version has {CHANNEL_CONTRACT!r}"
+            )
 
 
 LEVELS: Mapping[int, tuple[int, ...]] = {16: (64, 128, 128), 32: (32, 64, 128, 128)}

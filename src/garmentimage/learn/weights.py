@@ -25,6 +25,8 @@ def load_weights(kind: type[Model], folder: str | Path) -> Model:
     try:
         with redirect_stdout(StringIO()):  # It would tell where it loads from.
             model = kind.from_pretrained(str(folder), local_files_only=True)  # type: ignore[attr-defined]
+    except LearnError as error:
+        raise LearnError(f"{shown_path(folder)}: {error}") from None
     except Exception as error:  # What may go wrong spans four libraries.
         raise LearnError(
             f"{shown_path(folder)}: holds no {kind.__name__} that can be read "
