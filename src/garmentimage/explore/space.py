@@ -83,9 +83,10 @@ class LatentSpace:
             return cls(shipped / str(name))
         if Path(name).is_dir():
             return cls(name)
+        known = space_names()
+        ways = f"{near(str(name), known)}, or " if known else ""
         raise LearnError(
-            f"there is no latent space {quoted(str(name))}; {near(str(name), space_names())}, or "
-            "name the folder of one"
+            f"there is no latent space {quoted(str(name))}; {ways}name the folder of one"
         )
 
     @property
