@@ -26,7 +26,8 @@ ROOMS = (
     {"drape"},
     {"metrics", "render", "examples"},
     {"dataset"},
-    {"learn", "explore"},
+    {"explore"},
+    {"learn"},
     {"evaluate"},
 )
 """The way the data goes; a room imports from itself and from what stands before its step.

@@ -14,6 +14,7 @@ import torch
 from safetensors.torch import save
 from torch import Tensor, nn
 
+from garmentimage.explore.space import CONFIG, DECODER, ENCODER, GARMENTS
 from garmentimage.files import write_together
 from garmentimage.learn.garment_vae import GarmentVAE, from_channels, to_channels
 from garmentimage.learn.rasters import INPUTS, Labelled
@@ -21,7 +22,6 @@ from garmentimage.learn.rasters import INPUTS, Labelled
 OPSET = 18
 KNOWN_A_TYPE = 300
 """Garments of each type that a space knows by heart."""
-CONFIG, ENCODER, DECODER, GARMENTS = "config.json", "encoder.onnx", "decoder.onnx", "garments.npz"
 WEIGHTS, CARD = "model.safetensors", "README.md"
 
 
