@@ -2,12 +2,13 @@
 
 import argparse
 import json
+import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from garmentimage.errors import LearnError
+from garmentimage.errors import LearnError, quoted
 from garmentimage.files import shown_path
 from garmentimage.terminal import Exit, list_facts, print_json, whole_number
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from garmentimage.learn.train import Settings
 
 NETWORKS = ("vae", "vector-vae")
+ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
+PRECISIONS = ("32-true", "bf16-mixed", "16-mixed")
 
 
 def train_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,10 +34,10 @@ def train_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rate", type=float, metavar="X", help="highest learning rate (0.002)")
     parser.add_argument("--beta", type=float, metavar="X", help="weight of the prior")
     parser.add_argument("--seed", type=whole_number, metavar="N")
-    parser.add_argument("--accelerator", metavar="KIND", help="cpu, gpu or auto (cpu)")
+    parser.add_argument("--accelerator", metavar="KIND", help=", ".join(ACCELERATORS))
     parser.add_argument("--devices", type=whole_number, metavar="N", help="on each node (1)")
     parser.add_argument("--nodes", type=whole_number, metavar="N", help="machines (1)")
-    parser.add_argument("--precision", metavar="P", help="32-true, bf16-mixed, 16-mixed")
+    parser.add_argument("--precision", metavar="P", help=", ".join(PRECISIONS))
 
 
 def run_train(options: argparse.Namespace) -> Exit:
@@ -144,6 +147,14 @@ def _settings(options: argparse.Namespace) -> "Settings":
     names = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
     given = {name: getattr(options, name) for name in names}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})
+    for name, known in (("accelerator", ACCELERATORS), ("precision", PRECISIONS)):
+        if getattr(settings, name) not in known:
+            raise LearnError(
+                f"there is no {name} {quoted(getattr(settings, name))}; choose {', '.join(known)}"
+            )
+    cores = os.cpu_count() or 1
+    if settings.accelerator == "cpu" and settings.devices > cores:
+        raise LearnError(f"--devices is {settings.devices}; this machine has {cores} cores")
     for name in ("epochs", "batch", "devices", "nodes"):
         if getattr(settings, name) < 1:
             raise LearnError(f"--{name} is {getattr(settings, name)}; give 1 or more")

@@ -53,6 +53,12 @@ def test_a_stopped_run_goes_on_to_the_same_weights(data, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_network_learns_at_lower_precision(data, tmp_path):
+    told = run(data, tmp_path, replace(SHORT, precision="bf16-mixed")).log
+    assert told[-1]["held-out loss"] < told[0]["held-out loss"]
+
+
+@pytest.mark.slow
 def test_another_run_in_the_same_folder_is_refused(data, tmp_path):
     run(data, tmp_path, replace(SHORT, epochs=1))
     with pytest.raises(LearnError, match="holds a run with other settings"):

@@ -21,7 +21,7 @@ INPUTS = LAYERS * (1 + 2 * EDGE_TYPE_COUNT + 8)
 """Channels of an image, 34."""
 
 
-@dataclass(frozen=True)
+@dataclass  # not frozen: Fabric casts its fields where precision is mixed
 class Rasters:
     """The images of some garments, front and back."""
 

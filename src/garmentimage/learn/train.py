@@ -86,16 +86,20 @@ def train(
         progress: called after every epoch.
 
     Raises:
-        LearnError: the folder holds another run, or the loss is no number any more.
+        LearnError: the folder holds another run, the accelerator is not there, or the loss is
+            no number any more.
     """
     wanted = {"settings": asdict(settings), **facts}
     _prepare(folder, wanted)
-    fabric = Fabric(
-        accelerator=settings.accelerator,
-        devices=settings.devices,
-        num_nodes=settings.nodes,
-        precision=settings.precision,  # type: ignore[arg-type]
-    )
+    try:
+        fabric = Fabric(
+            accelerator=settings.accelerator,
+            devices=settings.devices,
+            num_nodes=settings.nodes,
+            precision=settings.precision,  # type: ignore[arg-type]
+        )
+    except (RuntimeError, ValueError) as error:  # an accelerator that is not there
+        raise LearnError(f"cannot train on this machine: {error}") from None
     fabric.launch()
     optimizer = torch.optim.AdamW(
         model.parameters(), settings.rate, weight_decay=settings.decay, betas=(0.9, 0.99)

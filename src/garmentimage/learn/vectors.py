@@ -117,7 +117,7 @@ class Vocabulary:
         return min(self.topologies, key=apart)
 
 
-@dataclass(frozen=True)
+@dataclass  # not frozen: Fabric casts its fields where precision is mixed
 class Vectors:
     """The vectors of some garments."""
 
