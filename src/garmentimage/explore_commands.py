@@ -51,6 +51,13 @@ def run_interpolate(options: argparse.Namespace) -> Exit:
 def transfer_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `transfer`."""
     _files(parser, {"before": "A", "after": "B", "garment": "C"})
+    parser.add_argument(
+        "--settle",
+        type=whole_number,
+        default=2,
+        metavar="N",
+        help="times that the edited garment is decoded and encoded again (2); 0: as in the paper",
+    )
     _common(parser)
 
 
@@ -62,7 +69,7 @@ def run_transfer(options: argparse.Namespace) -> Exit:
     paths = (options.before, options.after, options.garment)
     a, b, c = (_source(space, path) for path in paths)
     steps = [space.step(space.encode(each)) for each in (a, b, c)]
-    steps.append(transfer(space, a, b, c))
+    steps.append(transfer(space, a, b, c, settle=options.settle))
     titles = ["A", "B", "C", "C + (B - A)"]
     return _write(options, "garment", zip(titles, steps), len(steps))
 

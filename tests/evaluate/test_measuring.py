@@ -65,12 +65,16 @@ def test_figures_have_intervals_that_hold_their_mean():
 
 
 def test_edits_without_the_intended_topology_do_not_count_for_the_overlap():
+    right = {"intended": True, "overlap": 0.9, "valid": True, "becomes": "intended"}
+    wrong = {"intended": False, "overlap": None, "valid": True, "becomes": "as B"}
     rows = [
-        {"edit": "legs", "intended": True, "overlap": 0.9, "valid": True, "becomes": "intended"},
-        {"edit": "legs", "intended": False, "overlap": None, "valid": True, "becomes": "as B"},
+        {"edit": "legs", "settled": right, "plain": wrong},
+        {"edit": "legs", "settled": wrong, "plain": wrong},
     ]
     told = summary("edits", json.loads(json.dumps(rows)))
-    assert told["legs: intended"]["mean"] == 0.5
-    assert told["legs: overlap"] == {"mean": 0.9, "low": 0.9, "high": 0.9, "n": 1}
-    assert told["legs: becomes"] == {"intended": 1, "as B": 1}
-    assert "| edits: legs: becomes | intended 1, as B 1 |" in markdown({"ours": {"edits": told}})
+    assert told["legs, settled: intended"]["mean"] == 0.5
+    assert told["legs, plain: intended"]["mean"] == 0.0
+    assert told["legs, settled: overlap"] == {"mean": 0.9, "low": 0.9, "high": 0.9, "n": 1}
+    assert told["legs, settled: becomes"] == {"intended": 1, "as B": 1}
+    table = markdown({"ours": {"edits": told}})
+    assert "| edits: legs, settled: becomes | intended 1, as B 1 |" in table

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -53,8 +54,19 @@ def test_the_way_between_two_garments_begins_and_ends_with_them(space):
 
 def test_an_edit_of_nothing_changes_nothing(space):
     a, b = draft("top-skirt"), draft("one-panel-dress")
-    assert np.allclose(transfer(space, a, a, b).z, space.encode(b), atol=1e-5)
-    assert np.allclose(transfer(space, a, b, a).z, space.encode(b), atol=1e-5)
+    assert np.allclose(transfer(space, a, a, b, settle=0).z, space.encode(b), atol=1e-5)
+    assert np.allclose(transfer(space, a, b, a, settle=0).z, space.encode(b), atol=1e-5)
+    assert word(transfer(space, a, a, b).pattern) == word(b)
+    with pytest.raises(LearnError, match="settled 21 times; give 0 to 20"):
+        transfer(space, a, a, b, settle=21)
+
+
+def test_settling_brings_a_point_nearer_to_where_it_stays(space):
+    z = space.encode(draft("top-skirt")) + np.float32(0.3)
+    ways = [z, *(space.settled(z, times) for times in (1, 2, 3))]
+    apart = [float(np.linalg.norm(b - a)) for a, b in pairwise(ways)]
+    assert apart[1] < apart[0] and apart[2] < apart[0]
+    assert np.array_equal(space.settled(ways[1], 2), ways[3])
 
 
 def test_generated_garments_depend_on_seed_and_number_alone(space):

@@ -22,6 +22,9 @@ class Codec(Protocol):
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of some garments."""
 
+    def settled(self, z: Latent, times: int) -> Latent:
+        """A latent vector decoded and encoded again so many times."""
+
     def step(self, z: Latent) -> Step:
         """The garment of a latent vector, whatever it is."""
 
@@ -37,6 +40,10 @@ class RasterCodec:
         """Latent vectors of some garments."""
         images = [encode(pattern, self.space.grid).to_channels() for pattern in patterns]
         return self.space.encode_channels(np.stack(images))
+
+    def settled(self, z: Latent, times: int) -> Latent:
+        """A latent vector decoded and encoded again so many times."""
+        return self.space.settled(z, times)
 
     def step(self, z: Latent) -> Step:
         """The garment of a latent vector."""
@@ -70,6 +77,20 @@ class VectorCodec:
 
         with torch.no_grad():
             return self.model.encode(vectors(patterns, self.words))[0].numpy()
+
+    def settled(self, z: Latent, times: int) -> Latent:
+        """A latent vector decoded and encoded again so many times."""
+        import torch
+
+        from garmentimage.learn.vectors import Vectors
+
+        at = torch.from_numpy(np.asarray(z, np.float32))[None]
+        with torch.no_grad():
+            for _ in range(times):
+                numbers, logits = self.model.decode(at)
+                there = logits > 0
+                at = self.model.encode(Vectors(numbers * there[..., None], there))[0]
+        return at[0].numpy()
 
     def step(self, z: Latent) -> Step:
         """The garment of a latent vector."""

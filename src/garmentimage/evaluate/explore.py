@@ -27,6 +27,7 @@ from garmentimage.evaluate.garment import (
     silhouette_distance,
 )
 from garmentimage.explore.space import LatentSpace
+from garmentimage.explore.walk import SETTLE
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.repair import RepairLevel
@@ -164,10 +165,16 @@ def _interpolation(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
 
 def _edit(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-    found = _decoded(codec, c + (b - a))
+    ways = {"settled": SETTLE, "as in the paper": 0}
+    return {"edit": triplet.edit.name} | {
+        way: _edited(_decoded(codec, codec.settled(c + (b - a), times)), triplet)
+        for way, times in ways.items()
+    }
+
+
+def _edited(found: Seen, triplet: Triplet) -> dict[str, Any]:
     same = found.topology == _topology(triplet.truth)
     return {
-        "edit": triplet.edit.name,
         "intended": same,
         "becomes": _outcome(found, triplet),
         "overlap": panel_overlap(triplet.truth, found.pattern) if same else None,
@@ -275,7 +282,7 @@ def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     found = [record for record in records if "lost" not in record]
     told: dict[str, Any] = {"measured": len(found), "lost": len(records) - len(found)}
     for group, rows in _groups(stage, found):
-        if stage == "edits":
+        if "becomes" in rows[0]:
             told[f"{group}becomes"] = dict(Counter(row["becomes"] for row in rows).most_common())
         for name, values in _values(stage, rows):
             known = np.array([v for v in values if v is not None], float)
@@ -287,12 +294,16 @@ def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def _groups(
     stage: str, records: Sequence[Mapping[str, Any]]
 ) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
-    key = {"interpolation": "kind", "edits": "edit"}.get(stage)
-    if key is None:
+    if stage == "reconstruction":
         yield "", list(records)
-        return
-    for name in dict.fromkeys(record[key] for record in records):
-        yield f"{name}: ", [record for record in records if record[key] == name]
+    elif stage == "interpolation":
+        for kind in dict.fromkeys(record["kind"] for record in records):
+            yield f"{kind}: ", [record for record in records if record["kind"] == kind]
+    else:
+        for edit in dict.fromkeys(record["edit"] for record in records):
+            rows = [record for record in records if record["edit"] == edit]
+            for way in [key for key in rows[0] if key != "edit"]:
+                yield f"{edit}, {way}: ", [row[way] for row in rows]
 
 
 def _values(

@@ -9,6 +9,7 @@ from garmentimage.evaluate.codecs import Codec
 from garmentimage.evaluate.edits import Triplet
 from garmentimage.explore.space import Step
 from garmentimage.explore.strip import shown, strip
+from garmentimage.explore.walk import SETTLE
 from garmentimage.pattern.model import Pattern
 
 
@@ -31,7 +32,7 @@ def edit_picture(codecs: Sequence[Codec], triplet: Triplet) -> UInt8[np.ndarray,
     rows = []
     for codec in codecs:
         a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-        latents = {"A": a, "B": b, "C": c, "C + (B - A)": c + (b - a)}
+        latents = {"A": a, "B": b, "C": c, "C + (B - A)": codec.settled(c + (b - a), SETTLE)}
         columns = [shown(title, codec.step(z)) for title, z in latents.items()]
         rows.append(strip([*columns, shown("wanted", Step(a, None, None, triplet.truth, ()))]))
     return np.concatenate(rows)

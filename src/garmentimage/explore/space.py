@@ -130,6 +130,16 @@ class LatentSpace:
         """Images of latent vectors: probabilities, and vectors in cm, not repaired."""
         return self._decoder.run(None, {"z": np.asarray(z, np.float32)})[0]
 
+    def settled(self, z: Latent, times: int) -> Latent:
+        """Where a point ends that is decoded and encoded again so many times.
+
+        Each time brings it nearer to garments that the network knows: what does not go together
+        in its image is not seen by the encoder.
+        """
+        for _ in range(times):
+            z = self.encode_channels(self.decode_channels(z[None]))[0]
+        return z
+
     def step(self, z: Latent, *, repair_level: RepairLevel = "full") -> Step:
         """The garment at a point of the space, repaired, decoded and checked."""
         image, repairs = repair(self.decode_channels(z[None])[0], level=repair_level)

@@ -13,6 +13,9 @@ from garmentimage.pattern.model import Pattern
 from garmentimage.raster.image import GarmentImage
 
 STEPS = 9
+SETTLE = 2
+"""Times that an edited garment is decoded and encoded again; chosen on validation garments."""
+SETTLE_LIMIT = 20
 STEP_LIMITS = (2, 200)
 MOST_DRAWS = 20
 """A garment that is rejected so often is given up."""
@@ -34,9 +37,24 @@ def interpolate(space: LatentSpace, a: Source, b: Source, steps: int = STEPS) ->
     return [space.step(_between(start, end, share)) for share in np.linspace(0, 1, steps)]
 
 
-def transfer(space: LatentSpace, a: Source, b: Source, c: Source) -> Step:
-    """What `c` becomes by the edit that makes `b` of `a`: C + (B - A)."""
-    return space.step(space.encode(c) + (space.encode(b) - space.encode(a)))
+def transfer(space: LatentSpace, a: Source, b: Source, c: Source, *, settle: int = SETTLE) -> Step:
+    """What `c` becomes by the edit that makes `b` of `a`: C + (B - A), settled.
+
+    Args:
+        space: the network.
+        a: a garment without what is added.
+        b: the same with it.
+        c: the garment that it is added to.
+        settle: times that the sum is settled (`LatentSpace.settled`); 0 is the paper's arithmetic.
+
+    Raises:
+        LearnError: `settle` out of 0 to `SETTLE_LIMIT`, or a garment that the network does not
+            take.
+    """
+    if not 0 <= settle <= SETTLE_LIMIT:
+        raise LearnError(f"settled {settle} times; give 0 to {SETTLE_LIMIT}")
+    z = space.encode(c) + (space.encode(b) - space.encode(a))
+    return space.step(space.settled(z, settle))
 
 
 def generate(
