@@ -1,8 +1,9 @@
 """Edits whose answer is known: triplets of garments, and the garment that the edit should give.
 
 A and B are one design drafted without some part and with it, C is another design without it, and
-the truth is C's design with it: all other parameters are equal. So an edit C + (B - A) is right
-where it has the truth's topology, and its panels tell how well the rest was kept.
+the truth is C's design with that part: the part's own parameters are those of B, all others those
+of C. So an edit C + (B - A) is right where it has the truth's topology, and its panels tell how
+well the rest was kept.
 """
 
 from collections.abc import Iterator, Mapping
@@ -40,6 +41,8 @@ class Edit:
     after: Made
     on: Made
     truth: Made
+    brought: tuple[str, ...] = ()
+    """Parameters of the part: the truth has them from B."""
     unseen: bool = False
     """No garment of the truth's topology was trained on."""
 
@@ -72,6 +75,9 @@ def _shirt(panels: int, darts: str) -> Made:
     )
 
 
+SLEEVE = ("sleeve_length", "cap_height", "cap_fullness", "sleeve_taper")
+DART = ("dart_place", "dart_width", "dart_reach")
+
 EDITS: Mapping[str, tuple[Edit, ...]] = {
     "vae-topology": (
         Edit("legs", DRESS, JUMPSUIT, DRESS, JUMPSUIT),
@@ -79,18 +85,18 @@ EDITS: Mapping[str, tuple[Edit, ...]] = {
         Edit("waist seam on dresses", JUMPSUIT, TOP_PANTS, DRESS, TOP_SKIRT, unseen=True),
     ),
     "vae-variety": (
-        Edit("sleeves on dresses", TOP_PANTS, SLEEVED_PANTS, DRESS, SLEEVED_DRESS),
-        Edit("sleeves on tops + skirts", DRESS, SLEEVED_DRESS, TOP_SKIRT, SLEEVED_SKIRT),
+        Edit("sleeves on dresses", TOP_PANTS, SLEEVED_PANTS, DRESS, SLEEVED_DRESS, SLEEVE),
+        Edit("sleeves on tops + skirts", DRESS, SLEEVED_DRESS, TOP_SKIRT, SLEEVED_SKIRT, SLEEVE),
         Edit("waist seam on dresses", JUMPSUIT, TOP_PANTS, DRESS, TOP_SKIRT),
         Edit("skirt to trousers", TOP_SKIRT, TOP_PANTS, SLEEVED_SKIRT, SLEEVED_PANTS),
     ),
     "vae-darts": (
         Edit("darts on two panels", _shirt(2, "none"), _shirt(2, "waist"), _shirt(2, "none"),
-             _shirt(2, "waist")),
+             _shirt(2, "waist"), DART),
         Edit("two panels of one", _shirt(1, "none"), _shirt(2, "none"), _shirt(1, "none"),
              _shirt(2, "none")),
         Edit("darts on one panel", _shirt(2, "none"), _shirt(2, "waist"), _shirt(1, "none"),
-             _shirt(1, "waist"), unseen=True),
+             _shirt(1, "waist"), DART, unseen=True),
     ),
 }  # fmt: skip
 """By recipe."""
@@ -104,15 +110,16 @@ def triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
     body = measurements(BODY)
     found, number = 0, 0
     while found < count:
-        one = next(_drawn(edit.before, seed, number))
-        two = next(_drawn(edit.on, seed + 1, number))
+        one = dict(next(_drawn(edit.before, seed, number)))
+        two = dict(next(_drawn(edit.on, seed + 1, number)))
         number += 1
+        brought = {name: one[name] for name in edit.brought}
         try:
             made = [
                 drafted(one, edit.before, edit.before, body),
                 drafted(one, edit.before, edit.after, body),
                 drafted(two, edit.on, edit.on, body),
-                drafted(two, edit.on, edit.truth, body),
+                drafted(two | brought, edit.on, edit.truth, body),
             ]
         except (DraftError, PatternError):
             continue
@@ -122,11 +129,7 @@ def triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
 
 def drafted(design: Mapping[str, Any], of: Made, to: Made, body: BodyMeasurements) -> Pattern:
     """A design of one kind as another: what both kinds have stays, as far as its range allows."""
-    known = (
-        _skirt_of_dress(design, body)
-        if (of.kind, to.kind) == ("one-panel-dress", "top-skirt")
-        else dict(design)
-    )
+    known = dict(design) | _below_waist(design, of.kind, to.kind, body)
     values: dict[str, Value] = {}
     for name, parameter in KINDS[to.kind].parameters.items():
         if name in known:
@@ -137,14 +140,23 @@ def drafted(design: Mapping[str, Any], of: Made, to: Made, body: BodyMeasurement
     return KINDS[to.kind].draft(body, values | dict(to.fixed))
 
 
-def _skirt_of_dress(design: Mapping[str, Any], body: BodyMeasurements) -> dict[str, Any]:
-    """What a dress is below its waist, in the words of a skirt."""
-    return dict(design) | {
-        "skirt_length": design["body_length"] / body.waist_height,
-        "skirt_flare": design["flare"],
-        "skirt_slant": design["hem_slant"],
-        "skirt_fullness": 1.0,
-    }
+def _below_waist(
+    design: Mapping[str, Any], of: str, to: str, body: BodyMeasurements
+) -> dict[str, Any]:
+    """What a dress or a skirt is below its waist, in the words of a skirt or of legs as long."""
+    if of == to:
+        return {}
+    if of == "one-panel-dress":
+        drop = design["body_length"]
+        skirt = {"skirt_flare": design["flare"], "skirt_slant": design["hem_slant"]}
+    elif of == "top-skirt":
+        drop, skirt = design["skirt_length"] * body.waist_height, {}
+    else:
+        return {}
+    if to == "top-skirt":
+        return {"skirt_length": drop / body.waist_height, "skirt_fullness": 1.0} | skirt
+    inside = drop - (body.waist_height - body.crotch_height)
+    return {"leg_length": inside / (body.crotch_height - body.ankle_height)}
 
 
 def _drawn(made: Made, seed: int, number: int) -> Iterator[Mapping[str, Any]]:
