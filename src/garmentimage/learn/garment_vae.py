@@ -1,6 +1,8 @@
-"""A variational autoencoder of GarmentImages (paper, Section 4.1): plain convolutions.
+"""A variational autoencoder of GarmentImages (paper, Section 4.1).
 
-The latent vector steers every block of the decoder by the scale and the shift of its channels, and
+The encoder is one linear map. It learns less by heart than convolutions do, and a difference of two
+latent vectors is one of two images, whatever garment it is added to. The decoder is plain
+convolutions: the latent vector steers every block by the scale and the shift of its channels, and
 each level starts from learnt maps of its places: what a garment is acts on the whole grid, and a
 place of the grid is one on the body.
 """
@@ -32,8 +34,8 @@ class GarmentVAEConfig:
     channels: tuple[int, ...] = (64, 128, 128)
     """Of each level, from the grid's own to that of 4 x 4 cells at N = 16."""
     blocks: int = 1
-    """Of each level, of the encoder and the decoder alike."""
-    beta: float = 2e-4
+    """Of each level."""
+    beta: float = 4e-4
     """Weight of the divergence from the prior, of a whole garment [nats]."""
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
@@ -71,13 +73,8 @@ class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", l
         super().__init__()
         self.config = config
         widths, low = config.channels, config.grid >> (len(config.channels) - 1)
-        self.encode_in = nn.Conv2d(INPUTS, widths[0], 3, padding=1)
-        self.encoder = nn.ModuleList()
-        for level, width in enumerate(widths):
-            if level:
-                self.encoder.append(nn.Conv2d(widths[level - 1], width, 3, 2, padding=1))
-            self.encoder.extend(Block(width) for _ in range(config.blocks))
-        self.to_latent = nn.Linear(widths[-1] * low * low, 2 * config.latent)
+        self.to_latent = nn.Linear(INPUTS * config.grid**2, config.latent)
+        self.log_variance = nn.Parameter(torch.zeros(config.latent))
         self.places = nn.ParameterList(
             nn.Parameter(0.1 * torch.randn(width, config.grid >> level, config.grid >> level))
             for level, width in enumerate(widths)
@@ -92,12 +89,9 @@ class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", l
         self.decode_out = nn.Conv2d(widths[0], INPUTS, 3, padding=1)
 
     def encode(self, inputs: Float[Tensor, "n 34 row col"]) -> tuple[Tensor, Tensor]:
-        """Mean and log variance of the latent vectors, each [n, latent]."""
-        x = self.encode_in(inputs)
-        for layer in self.encoder:
-            x = layer(x)
-        mean, log_variance = self.to_latent(x.flatten(1)).chunk(2, 1)
-        return mean, log_variance.clamp(-12, 4)
+        """Mean and log variance of the latent vectors, each [n, latent]; the variance is fixed."""
+        mean = self.to_latent(inputs.flatten(1))
+        return mean, self.log_variance.clamp(-12, 4).expand_as(mean)
 
     def decode(self, z: Float[Tensor, "n latent"]) -> Float[Tensor, "n 34 row col"]:
         """Logits of flags and types, and vectors, in the order of `Rasters.inputs`."""
@@ -130,20 +124,19 @@ class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", l
 class Block(nn.Module):
     """Two convolutions beside a shortcut, with a latent vector's scale and shift between."""
 
-    def __init__(self, width: int, latent: int = 0) -> None:
+    def __init__(self, width: int, latent: int) -> None:
         super().__init__()
         self.norm1, self.norm2 = nn.GroupNorm(8, width), nn.GroupNorm(8, width)
         self.conv1 = nn.Conv2d(width, width, 3, padding=1)
         self.conv2 = nn.Conv2d(width, width, 3, padding=1)
-        self.steer = nn.Linear(latent, 2 * width) if latent else None
+        self.steer = nn.Linear(latent, 2 * width)
         nn.init.zeros_(self.conv2.weight)
 
-    def forward(self, x: Tensor, z: Tensor | None = None) -> Tensor:
+    def forward(self, x: Tensor, z: Tensor) -> Tensor:
         """The same shape as `x`."""
         y = self.norm2(self.conv1(functional.silu(self.norm1(x))))
-        if self.steer is not None:
-            scale, shift = self.steer(z)[:, :, None, None].chunk(2, 1)
-            y = y * (1 + scale) + shift
+        scale, shift = self.steer(z)[:, :, None, None].chunk(2, 1)
+        y = y * (1 + scale) + shift
         return x + self.conv2(functional.silu(y))
 
 
