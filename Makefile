@@ -40,13 +40,14 @@ picture: $(VENV)/ready
 	$(BIN)/python scripts/draw_worn.py docs/worn.png
 
 explore: $(VENV)/ready-dev
-	for name in topology variety darts; do \
-		$(BIN)/garmentimage build vae-$$name -o data/vae-$$name && \
-		$(BIN)/garmentimage train vae --data data/vae-$$name --epochs 30 -o runs/vae-$$name && \
-		$(BIN)/garmentimage train vector-vae --data data/vae-$$name --epochs 60 \
-			-o runs/vector-vae-$$name && \
-		$(BIN)/garmentimage evaluate explore --data data/vae-$$name --vae runs/vae-$$name/model \
-			--vectors runs/vector-vae-$$name/model -o runs/explore-$$name || exit 1; \
+	set -e; for each in "topology 5000 40 60" "darts 5000 40 60" "variety 10000 24 30"; do \
+		set -- $$each; data=data/vae-$$1-$$2; \
+		$(BIN)/garmentimage build vae-$$1 --count $$2 -o $$data; \
+		$(BIN)/garmentimage train vae --data $$data --epochs $$3 --precision bf16-mixed \
+			-o runs/vae-$$1; \
+		$(BIN)/garmentimage train vector-vae --data $$data --epochs $$4 -o runs/vector-vae-$$1; \
+		$(BIN)/garmentimage evaluate explore --data $$data --vae runs/vae-$$1/model \
+			--vectors runs/vector-vae-$$1/model -o runs/explore-$$1; \
 	done
 
 bench: $(VENV)/ready

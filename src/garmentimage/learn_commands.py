@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 NETWORKS = ("vae", "vector-vae")
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
+OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
 PRECISIONS = ("32-true", "bf16-mixed", "16-mixed")
 
 
@@ -144,8 +145,7 @@ class _Bar:
 def _settings(options: argparse.Namespace) -> "Settings":
     from garmentimage.learn.train import Settings
 
-    names = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
-    given = {name: getattr(options, name) for name in names}
+    given = {name: getattr(options, name) for name in OF_SETTINGS}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})
     for name, known in (("accelerator", ACCELERATORS), ("precision", PRECISIONS)):
         if getattr(settings, name) not in known:
@@ -189,11 +189,18 @@ def _told(
         "epochs": settings.epochs,
         "seed": settings.seed,
         "minutes": round(sum(line["seconds"] for line in log) / 60, 1),
-        "command": f"garmentimage train {options.network} --data {options.data} --epochs "
-        f"{settings.epochs} --seed {settings.seed} -o {options.out}",
+        "command": _command(options),
         "commit": run["commit"],
         "versions": ", ".join(run["versions"]),
     }
+
+
+def _command(options: argparse.Namespace) -> str:
+    """What trains the same network again."""
+    given = {name: getattr(options, name) for name in (*OF_SETTINGS, "beta")}
+    words = [f"--{name} {value}" for name, value in given.items() if value is not None]
+    start = f"garmentimage train {options.network} --data {options.data}"
+    return " ".join([start, *words, "-o", str(options.out)])
 
 
 def _say(options: argparse.Namespace, told: dict[str, Any], last: dict[str, float]) -> Exit:
