@@ -92,7 +92,7 @@ def _networks(options: argparse.Namespace) -> list["Judged"]:
         networks.append(Judged("vectors", str(options.vectors), data, None))
     if not networks:
         raise LearnError("name a network with --vae or --vectors")
-    return networks
+    return [*networks, Judged("no network", "", data, "full")]
 
 
 def _draw(folder: Path, networks: Sequence["Judged"], recipe: str, amounts: "Amounts") -> None:

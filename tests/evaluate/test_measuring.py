@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from garmentimage.draft.kinds import draft
+from garmentimage.evaluate.codecs import PlainCodec
 from garmentimage.evaluate.edits import EDITS, triplets
 from garmentimage.evaluate.explore import summary
 from garmentimage.evaluate.garment import (
@@ -78,3 +79,11 @@ def test_edits_without_the_intended_topology_do_not_count_for_the_overlap():
     assert told["legs, settled: becomes"] == {"intended": 1, "as B": 1}
     table = markdown({"ours": {"edits": told}})
     assert "| edits: legs, settled: becomes | intended 1, as B 1 |" in table
+
+
+def test_without_a_network_an_edit_of_nothing_changes_nothing():
+    codec, garment = PlainCodec(), draft("top-skirt")
+    a, b = codec.latents([draft("shirt"), garment])
+    step = codec.step(b + (a - a))
+    assert not step.faults and panel_overlap(garment, step.pattern) > 0.97
+    assert np.array_equal(codec.settled(a, 3), a)

@@ -9,10 +9,11 @@ import numpy as np
 from jaxtyping import Float32
 
 from garmentimage.errors import DecodeError
-from garmentimage.explore.space import Latent, LatentSpace, Step
+from garmentimage.explore.space import Latent, LatentSpace, Step, step_of
 from garmentimage.metrics.validity import validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.encode import encode
+from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
 from garmentimage.raster.repair import RepairLevel
 
 
@@ -48,6 +49,36 @@ class RasterCodec:
     def step(self, z: Latent) -> Step:
         """The garment of a latent vector."""
         return self.space.step(z, repair_level=self.level)
+
+
+@dataclass(frozen=True)
+class PlainCodec:
+    """GarmentImages as they are, without a network: a garment's vector is its channels."""
+
+    grid: int = 16
+
+    def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
+        """All channels of some garments."""
+        return np.stack([encode(each, self.grid).to_channels().ravel() for each in patterns])
+
+    def settled(self, z: Latent, times: int) -> Latent:
+        """The same: there is no network that knows garments."""
+        return z
+
+    def step(self, z: Latent) -> Step:
+        """The garment of a sum of channels.
+
+        Flags and edge types are taken as shares; where several garments have cloth in a cell,
+        its edge vectors are their mean.
+        """
+        channels = z.reshape(2, CHANNELS_PER_LAYER, self.grid, self.grid).copy()
+        cloth = np.maximum(channels[:, :1], 0.5)
+        channels[:, CHANNELS_PER_LAYER - 8 :] /= cloth
+        channels[:, 0] = channels[:, 0].clip(0, 1)
+        for first in (1, 1 + EDGE_TYPE_COUNT):
+            shares = channels[:, first : first + EDGE_TYPE_COUNT].clip(0)
+            channels[:, first : first + EDGE_TYPE_COUNT] = shares / shares.sum(1, keepdims=True)
+        return step_of(z, channels.reshape(-1, self.grid, self.grid), "full")
 
 
 class VectorCodec:

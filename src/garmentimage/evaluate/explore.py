@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
+from garmentimage.evaluate.codecs import Codec, PlainCodec, RasterCodec, VectorCodec
 from garmentimage.evaluate.edits import EDITS, Triplet, triplets
 from garmentimage.evaluate.garment import (
     Seen,
@@ -46,6 +46,7 @@ class Judged:
 
     name: str
     folder: str
+    """Empty: GarmentImages as they are, without a network."""
     data: str
     """The dataset that it was trained on, whose test split is measured on."""
     level: RepairLevel | None
@@ -209,6 +210,8 @@ def _jump(steps: Sequence[float]) -> float | None:
 @cache
 def codec_of(judged: Judged) -> Codec:
     """A network, loaded once in each process."""
+    if not judged.folder:
+        return PlainCodec()
     if judged.level is None:
         return VectorCodec(Path(judged.folder), Path(judged.data))
     return RasterCodec(LatentSpace.load(judged.folder), judged.level)

@@ -142,12 +142,7 @@ class LatentSpace:
 
     def step(self, z: Latent, *, repair_level: RepairLevel = "full") -> Step:
         """The garment at a point of the space, repaired, decoded and checked."""
-        image, repairs = repair(self.decode_channels(z[None])[0], level=repair_level)
-        try:
-            pattern = decode(image, repair=repair_level)
-        except GarmentImageError as error:
-            return Step(z, image, repairs, None, (str(error),))
-        return Step(z, image, repairs, pattern, tuple(validity(pattern)))
+        return step_of(z, self.decode_channels(z[None])[0], repair_level)
 
     def likeness(self, image: GarmentImage) -> float:
         """How well a garment comes back: IoU of its cells inside; see `LIKE_IOU`."""
@@ -175,6 +170,18 @@ class LatentSpace:
     @cached_property
     def _decoder(self) -> Any:
         return _session(self.folder / DECODER)
+
+
+def step_of(
+    z: Latent, channels: Float32[np.ndarray, "34 row col"], repair_level: RepairLevel
+) -> Step:
+    """The garment of an image that need not be a garment, repaired, decoded and checked."""
+    image, repairs = repair(channels, level=repair_level)
+    try:
+        pattern = decode(image, repair=repair_level)
+    except GarmentImageError as error:
+        return Step(z, image, repairs, None, (str(error),))
+    return Step(z, image, repairs, pattern, tuple(validity(pattern)))
 
 
 def space_names() -> tuple[str, ...]:
