@@ -4,7 +4,7 @@ import argparse
 import json
 import os
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from garmentimage.terminal import Exit, list_facts, print_json, whole_number
 if TYPE_CHECKING:
     from garmentimage.learn.train import Settings
 
-NETWORKS = ("vae", "vector-vae")
+NETWORKS = ("vae", "vector-vae", "cascade")
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
 PRECISIONS = ("32-true", "bf16-mixed", "16-mixed")
@@ -35,6 +35,12 @@ def train_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rate", type=float, metavar="X", help="highest learning rate (0.002)")
     parser.add_argument("--beta", type=float, metavar="X", help="weight of the prior")
     parser.add_argument("--seed", type=whole_number, metavar="N")
+    parser.add_argument(
+        "--without", action="append", default=[], metavar="TYPE", help="cascade: leave a type out"
+    )
+    parser.add_argument(
+        "--as-paper", action="store_true", help="cascade: losses of the paper, nothing of ours"
+    )
     parser.add_argument("--accelerator", metavar="KIND", help=", ".join(ACCELERATORS))
     parser.add_argument("--devices", type=whole_number, metavar="N", help="on each node (1)")
     parser.add_argument("--nodes", type=whole_number, metavar="N", help="machines (1)")
@@ -47,9 +53,8 @@ def run_train(options: argparse.Namespace) -> Exit:
         raise LearnError(f"there is no network {options.network!r}; choose {' or '.join(NETWORKS)}")
     _need_extra()
     settings = _settings(options)
-    if options.network == "vae":
-        return _train_vae(options, settings)
-    return _train_vector_vae(options, settings)
+    trainers = {"vae": _train_vae, "vector-vae": _train_vector_vae, "cascade": _train_cascade}
+    return trainers[options.network](options, settings)
 
 
 def _train_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
@@ -111,6 +116,42 @@ def _train_vector_vae(options: argparse.Namespace, settings: "Settings") -> Exit
     told = _told(options, settings, trained.log, len(known))
     what = "The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors."
     text = card(f"Vector VAE, {told['recipe']}", what, told, trained.log[-1])
+    folder = options.out / MODEL
+    trained.model.save_pretrained(folder)  # type: ignore[operator]
+    (folder / "README.md").write_text(text, encoding="utf-8")
+    return _say(options, told, trained.log[-1])
+
+
+def _train_cascade(options: argparse.Namespace, settings: "Settings") -> Exit:
+    import torch
+
+    from garmentimage.learn.card import card
+    from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig
+    from garmentimage.learn.pictured import read_album
+    from garmentimage.learn.train import MODEL, train
+
+    known, held_out = (
+        read_album(options.data, split, without=options.without)
+        for split in ("train", "validation")
+    )
+    plain = PAPER if options.as_paper else CascadeConfig()
+    grid, picture = known.garments.inside.shape[-1], known.garments.pictures.shape[-1]
+    config = replace(plain, grid=grid, picture=picture)
+    torch.manual_seed(settings.seed)
+    model = Cascade(config).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    facts = {"network": "cascade", "config": asdict(config), **_data_facts(options.data)}
+    facts["without"] = sorted(options.without)
+    with _Bar(settings.epochs) as bar:
+        trained = train(
+            model, known.garments, held_out.garments, options.out, settings, facts, bar.line
+        )
+    told = _told(options, settings, trained.log, len(known.ids))
+    what = (
+        "Three U-Nets that turn the picture of a worn garment into a GarmentImage, as in Section "
+        f"4.3 of the paper: {picture} x {picture} pixels to front and back of {grid} x {grid} "
+        "cells."
+    )
+    text = card(f"Picture to GarmentImage, {told['recipe']}", what, told, trained.log[-1])
     folder = options.out / MODEL
     trained.model.save_pretrained(folder)  # type: ignore[operator]
     (folder / "README.md").write_text(text, encoding="utf-8")

@@ -1,0 +1,128 @@
+"""Picture to GarmentImage in three steps (paper, Section 4.3, Figure 7).
+
+Three U-Nets, each taught with the truth of what came before it: flags from the picture; edge types
+from the picture and flags; edge vectors from the picture, flags and edge types. Used, each is given
+what the one before it predicted.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from huggingface_hub import PyTorchModelHubMixin
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+from garmentimage.errors import LearnError, quoted
+from garmentimage.learn.garment_vae import FLAGS, TYPES, to_channels
+from garmentimage.learn.pictured import Pictured
+from garmentimage.learn.rasters import INPUTS, LAYERS
+from garmentimage.learn.unet import UNet
+from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
+
+
+@dataclass(frozen=True)
+class CascadeConfig:
+    """Size of the networks, and how they are taught; `PAPER` is as in the paper."""
+
+    channels_contract: str = CHANNEL_CONTRACT
+    grid: int = 16
+    picture: int = 128
+    """Pixels a side."""
+    channels: tuple[int, ...] = (48, 64, 64)
+    """Of each level of each network."""
+    squares: bool = False
+    """Flags and vectors are judged by squares, not by cross-entropy and distance."""
+    noise: float = 0.02
+    """Share of flags and edge types at boundaries that are wrong in what is taught with."""
+    boundary_weight: float = 3.0
+    """Of an edge type that is not NON_BOUNDARY, against one that is."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists
+        if self.channels_contract != CHANNEL_CONTRACT:
+            raise LearnError(
+                f"the network was made for channels {quoted(self.channels_contract)}, and this "
+                f"version has {CHANNEL_CONTRACT!r}"
+            )
+
+
+PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0)
+
+
+class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
+    """Pictures to images."""
+
+    def __init__(self, config: CascadeConfig) -> None:
+        super().__init__()
+        self.config = config
+        size = (config.grid, config.picture, config.channels)
+        self.to_flags = UNet(0, FLAGS, *size)
+        self.to_types = UNet(FLAGS, TYPES, *size)
+        self.to_vectors = UNet(FLAGS + TYPES, INPUTS - FLAGS - TYPES, *size)
+
+    def forward(self, batch: Pictured) -> dict[str, Tensor]:
+        """The whole loss, and those of the three networks, each taught with the truth."""
+        config, seen, truth = self.config, batch.seen(), batch.rasters
+        maps = truth.inputs()
+        flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]
+        if config.noise and self.training:
+            flags, types = flipped(flags, config.noise), redrawn(types, config.noise)
+        parts = {
+            "flags": self._flag_loss(self.to_flags(seen), truth.inside.float()),
+            "types": self._type_loss(self.to_types(seen, flags), truth.types.long()),
+            "vectors": self._vector_loss(
+                self.to_vectors(seen, torch.cat([flags, types], 1)), truth.vectors, truth.inside
+            ),
+        }
+        parts["loss"] = parts["flags"] + parts["types"] + parts["vectors"]
+        return parts
+
+    def predict(
+        self, seen: Float[Tensor, "n 3 pixel_row pixel_col"]
+    ) -> Float[Tensor, "n 34 row col"]:
+        """Channels of pictures, as `decode` reads them: probabilities, and vectors in cm."""
+        flags = self.to_flags(seen)
+        inside = (flags > 0).float()
+        types = self.to_types(seen, inside)
+        chosen = types.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT)).argmax(2, keepdim=True)
+        kinds = torch.arange(EDGE_TYPE_COUNT, device=types.device)[:, None, None]
+        one_hot = (chosen == kinds).float().flatten(1, 2)
+        vectors = self.to_vectors(seen, torch.cat([inside, one_hot], 1))
+        return to_channels(torch.cat([flags, types, vectors], 1))
+
+    def _flag_loss(self, logits: Tensor, inside: Tensor) -> Tensor:
+        if self.config.squares:
+            return functional.mse_loss(logits.sigmoid(), inside)
+        return functional.binary_cross_entropy_with_logits(logits, inside)
+
+    def _type_loss(self, logits: Tensor, types: Tensor) -> Tensor:
+        weight = torch.where(types > 0, self.config.boundary_weight, 1.0)
+        shares = logits.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT)).transpose(1, 2)
+        return (weight * functional.cross_entropy(shares, types, reduction="none")).mean()
+
+    def _vector_loss(self, found: Tensor, vectors: Tensor, inside: Tensor) -> Tensor:
+        known = inside.float().repeat_interleave(8, 1)
+        apart = (found - vectors.float()) * known
+        if self.config.squares:
+            return (apart**2).sum() / known.sum()
+        return (
+            functional.smooth_l1_loss(apart, torch.zeros_like(apart), beta=0.01, reduction="sum")
+            / known.sum()
+        )
+
+
+def flipped(flags: Float[Tensor, "n 2 row col"], share: float) -> Float[Tensor, "n 2 row col"]:
+    """Flags of which a share of those beside the outline are wrong."""
+    near = functional.max_pool2d(flags, 3, 1, 1) != -functional.max_pool2d(-flags, 3, 1, 1)
+    wrong = near & (torch.rand_like(flags) < share)
+    return torch.where(wrong, 1 - flags, flags)
+
+
+def redrawn(types: Float[Tensor, "n 16 row col"], share: float) -> Float[Tensor, "n 16 row col"]:
+    """Edge types of which a share of the boundaries are another type."""
+    found = types.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT))
+    wrong = (found[:, :, :1] < 0.5) & (torch.rand_like(found[:, :, :1]) < share)
+    other = torch.randint(0, EDGE_TYPE_COUNT, wrong.shape, device=types.device)
+    kinds = torch.arange(EDGE_TYPE_COUNT, device=types.device)[:, None, None]
+    return torch.where(wrong, (other == kinds).to(found), found).flatten(1, 2)

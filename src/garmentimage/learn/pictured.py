@@ -1,0 +1,107 @@
+"""Garments with their pictures: what networks that look at pictures learn from."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float32, UInt8
+from torch import Tensor
+
+from garmentimage.dataset.read import rasters, tables
+from garmentimage.errors import DatasetError, quoted
+from garmentimage.files import shown_path
+from garmentimage.learn.rasters import Rasters, from_channels
+
+PICTURE = "picture_front"
+
+
+@dataclass  # not frozen: Fabric casts its fields where precision is mixed
+class Pictured:
+    """Pictures and rasters of some garments."""
+
+    pictures: UInt8[Tensor, "n 3 pixel_row pixel_col"]
+    """Seen from the front, the lowest row of pixels first, as rasters are."""
+    inside: Tensor
+    types: Tensor
+    vectors: Tensor
+    """Of their rasters, see `Rasters`."""
+
+    def __len__(self) -> int:
+        return len(self.pictures)
+
+    @property
+    def rasters(self) -> Rasters:
+        """Without their pictures."""
+        return Rasters(self.inside, self.types, self.vectors)
+
+    def batch(self, numbers: Tensor) -> "Pictured":
+        """Some of them."""
+        return Pictured(
+            self.pictures[numbers], self.inside[numbers], self.types[numbers], self.vectors[numbers]
+        )
+
+    def to(self, device: torch.device) -> "Pictured":
+        """The same on another device."""
+        return Pictured(
+            self.pictures.to(device),
+            self.inside.to(device),
+            self.types.to(device),
+            self.vectors.to(device),
+        )
+
+    def seen(self) -> Float32[Tensor, "n 3 pixel_row pixel_col"]:
+        """Colours from 0 to 1."""
+        return self.pictures.float() / 255
+
+
+@dataclass(frozen=True)
+class Album:
+    """Garments of a split with the ids and types of their rows, and their patterns."""
+
+    garments: Pictured
+    ids: tuple[str, ...]
+    types: tuple[str, ...]
+    patterns: tuple[str, ...]
+    """As JSON."""
+
+
+def read_album(folder: str | Path, split: str, *, without: Collection[str] = ()) -> Album:
+    """All garments of a split but those of some types.
+
+    Raises:
+        DatasetError: there is no such split, it has no pictures from the front, or its garments
+            have more than two layers.
+    """
+    pictures: list[np.ndarray] = []
+    images: list[np.ndarray] = []
+    told: dict[str, list[str]] = {"id": [], "type": [], "pattern": []}
+    for table in tables(folder, split, [*told, "raster", PICTURE]):
+        kinds = table["type"].to_pylist()
+        kept = [k for k, name in enumerate(kinds) if name not in without]
+        here = rasters(table["raster"])
+        if any(len(here[k]) != 2 for k in kept):
+            raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
+        images += [here[k] for k in kept]
+        shown = table[PICTURE].to_pylist()
+        pictures += [pixels(shown[k]["bytes"]) for k in kept]
+        for name, values in told.items():
+            column = table[name].to_pylist()
+            values += [column[k] for k in kept]
+    if not images:
+        raise DatasetError(f"{shown_path(folder)}: its split {quoted(split)} has no rows")
+    found = from_channels(np.stack(images))
+    garments = Pictured(
+        torch.from_numpy(np.stack(pictures)), found.inside, found.types, found.vectors
+    )
+    return Album(garments, *(tuple(values) for values in told.values()))
+
+
+def pixels(data: bytes) -> UInt8[np.ndarray, "3 pixel_row pixel_col"]:
+    """A picture of the dataset, the lowest row first."""
+    from PIL import Image
+
+    colours = np.array(Image.open(BytesIO(data)).convert("RGB"))
+    return np.ascontiguousarray(colours[::-1].transpose(2, 0, 1))

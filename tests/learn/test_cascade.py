@@ -1,0 +1,91 @@
+"""Pictures to images: the three networks of the cascade, and what they learn from."""
+
+import pytest
+import torch
+
+from garmentimage.dataset.build import DATA, Build, make_shard, plan
+from garmentimage.dataset.recipe import recipe
+from garmentimage.errors import DatasetError
+from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig, flipped, redrawn
+from garmentimage.learn.pictured import read_album
+from garmentimage.learn.weights import load_weights
+
+SMALL = CascadeConfig(channels=(16, 16, 16))
+
+
+@pytest.fixture(scope="module")
+def pictured(tmp_path_factory):
+    """A small dataset of `d2`, without its summary."""
+    folder = tmp_path_factory.mktemp("d2")
+    (folder / DATA).mkdir()
+    for shard in plan(Build(recipe("d2"), folder, 4)):
+        (folder / DATA / shard.name).write_bytes(make_shard(shard))
+    return folder
+
+
+@pytest.mark.slow
+def test_pictures_stand_as_rasters_do(pictured):
+    garments = read_album(pictured, "train").garments
+    coloured = (garments.seen().amin(1) < 0.97).float()
+    rows = torch.arange(128.0)[:, None]
+    middle = (coloured * rows).sum((1, 2)) / coloured.sum((1, 2))
+    cells = garments.inside[:, 0].float()
+    cloth = (cells * torch.arange(16.0)[:, None]).sum((1, 2)) / cells.sum((1, 2))
+    assert (middle > 50).all() and (cloth > 5).all()  # neither stands on its head
+
+
+@pytest.mark.slow
+def test_types_are_left_out_of_an_album(pictured):
+    all_types = set(read_album(pictured, "train").types)
+    assert all_types == {"one-panel dress", "one-panel dress with sleeves", "top + pants"}
+    kept = read_album(pictured, "train", without=["top + pants"])
+    assert set(kept.types) == all_types - {"top + pants"} and len(kept.garments) == len(kept.ids)
+    with pytest.raises(DatasetError, match="its split 'train' has no rows"):
+        read_album(pictured, "train", without=all_types)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("config", [SMALL, PAPER])
+def test_a_cascade_learns_a_few_garments_by_heart(pictured, config):
+    torch.manual_seed(0)
+    batch = read_album(pictured, "train").garments
+    model = Cascade(CascadeConfig(channels=(32, 32, 32), squares=config.squares, noise=0.0))
+    optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
+    first = model(batch)["loss"].item()
+    for _ in range(80):
+        loss = model(batch)["loss"]
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+    assert loss.item() < 0.15 * first
+    found = model.eval().predict(batch.seen()).unflatten(1, (2, 17))
+    right = (found[:, :, 0] > 0.5) == batch.inside.bool()
+    assert right.float().mean() > 0.98
+
+
+def test_a_cascade_gives_channels_and_comes_back_from_disk(tmp_path):
+    torch.manual_seed(0)
+    model = Cascade(SMALL).eval()
+    model.save_pretrained(tmp_path)
+    seen = torch.rand(2, 3, 128, 128)
+    with torch.no_grad():
+        found, again = model.predict(seen), load_weights(Cascade, tmp_path).predict(seen)
+    assert found.shape == (2, 34, 16, 16) and torch.equal(found, again)
+    shares = found.unflatten(1, (2, 17))[:, :, 1:5].sum(2)
+    assert torch.allclose(shares, torch.ones_like(shares), atol=1e-5)
+
+
+def test_noise_changes_a_share_of_boundaries_and_nothing_else():
+    torch.manual_seed(0)
+    flags = torch.zeros(50, 2, 16, 16)
+    flags[:, :, 4:12, 4:12] = 1
+    changed = flipped(flags, 0.1) != flags
+    assert not changed[:, :, 6:10, 6:10].any() and not changed[:, :, :3].any()
+    assert 0.05 < changed[:, :, 4, 4:12].float().mean() < 0.15
+    types = torch.zeros(50, 4, 4, 16, 16)
+    types[:, :, 0] = 1
+    types[:, :, 0, 5], types[:, :, 2, 5] = 0, 1
+    found = redrawn(types.flatten(1, 2), 0.2).unflatten(1, (4, 4))
+    assert torch.equal(found.sum(2), torch.ones(50, 4, 16, 16))
+    wrong = (found != types).any(2)
+    assert not wrong[:, :, :5].any() and 0.1 < wrong[:, :, 5].float().mean() < 0.2
