@@ -10,6 +10,12 @@ from garmentimage.metrics.matching import (
     matching_from,
     panel_iou,
 )
+from garmentimage.metrics.published import (
+    Slots,
+    published_figures,
+    slots_of,
+    tag_stitches,
+)
 from garmentimage.metrics.report import report_to_json
 from garmentimage.metrics.roundtrip import (
     FileReport,
@@ -43,6 +49,7 @@ __all__ = [
     "PanelPair",
     "RoundtripResult",
     "SeamSide",
+    "Slots",
     "StitchGraph",
     "Trip",
     "boundary_distance",
@@ -55,13 +62,16 @@ __all__ = [
     "match_panels",
     "matching_from",
     "panel_iou",
+    "published_figures",
     "report_to_json",
     "roundtrip_file",
     "roundtrip_many",
     "same_stitch_graph",
     "seam_agreement",
+    "slots_of",
     "stitch_graph",
     "summarise",
     "summary_table",
+    "tag_stitches",
     "validity",
 ]

@@ -1,0 +1,298 @@
+"""The figures of published codes, to the letter: the same names stand for different sums there.
+
+Words of this file:
+
+- A **slot** is a place in a fixed list of panels. Panels of those codes live in slots, by name;
+  empty slots and edges that are not there are zeros ("padding").
+- A row of an edge is (dx, dy, cx, cy): to its end [cm], and its control point along it and to its
+  left, per length. A straight edge has (0, 0) there.
+- Rotations are quaternions (x, y, z, w); a translation is the world position of the middle of that
+  side of the panel's bounding box which is highest [cm] ("universal" in those codes).
+
+Modes: `neuraltailor` (Korosteleva and Lee 2022), `sewformer` (Liu et al. 2023), `aipparel`
+(Nakayama et al. 2025).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import atan2, hypot
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from garmentimage.errors import PatternError
+from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Quadratic
+
+SLOT_EDGES = 14
+"""Most edges of a panel in those codes."""
+PADDING_ATOL = 0.07
+"""How near to padding, in standardised units, a row counts as padding."""
+CLOSED_CM = 3.0
+"""A loop that misses its start by more, in x or in y, has one more edge [cm]."""
+LEAST_EDGES = 3
+"""A panel has this many, or it is none."""
+STRAIGHT = 1e-6
+
+Stitch = frozenset[tuple[int, int]]
+"""Two sides (slot, edge)."""
+
+
+@dataclass(frozen=True)
+class Slots:
+    """A pattern in slots."""
+
+    edges: Float[np.ndarray, "slot edge 4"]
+    rotations: Float[np.ndarray, "slot 4"]
+    translations: Float[np.ndarray, "slot 3"]
+    stitches: frozenset[Stitch]
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Edges of each slot: rows that are not padding."""
+        return tuple(int(n) for n in np.any(np.abs(self.edges) > STRAIGHT, axis=2).sum(1))
+
+
+def slots_of(pattern: Pattern, names: Sequence[str], edges: int = SLOT_EDGES) -> Slots:
+    """A pattern in slots of these names.
+
+    Raises:
+        PatternError: a panel that is in no slot, has holes, or has too many edges.
+    """
+    rows = np.zeros((len(names), edges, 4))
+    rotations, translations = np.zeros((len(names), 4)), np.zeros((len(names), 3))
+    for panel in pattern.panels:
+        if panel.name not in names:
+            raise PatternError(f"panel {panel.name!r}: is in none of the slots")
+        if panel.holes or len(panel.outline.edges) > edges:
+            raise PatternError(
+                f"panel {panel.name!r}: has holes, or more than {edges} edges; slots have neither"
+            )
+        k = list(names).index(panel.name)
+        rows[k, : len(panel.outline.edges)] = [
+            _row(panel.outline, number) for number in range(len(panel.outline.edges))
+        ]
+        rotations[k] = _quaternion(panel)
+        translations[k] = universal_translation(panel)
+    number = {name: k for k, name in enumerate(names)}
+    stitches = frozenset(
+        frozenset((number[side.panel], side.edge) for side in (stitch.a, stitch.b))
+        for stitch in pattern.stitches
+    )
+    return Slots(rows, rotations, translations, stitches)
+
+
+def universal_translation(panel: Panel) -> Float[np.ndarray, "3"]:
+    """World position of the middle of that side of the panel's bounding box which is highest."""
+    corners = np.array(panel.outline.vertices)
+    low, high = corners.min(0), corners.max(0)
+    middle = (low + high) / 2
+    sides = np.array(
+        [(middle[0], high[1]), (middle[0], low[1]), (low[0], middle[1]), (high[0], middle[1])]
+    )
+    world = panel.to_world(sides)
+    return np.asarray(world[int(np.argmax(world[:, 1]))], float)
+
+
+def tag_stitches(
+    tags: Float[np.ndarray, "slot edge tag"],
+    free: Float[np.ndarray, "slot edge"],
+    there: Bool[np.ndarray, "slot edge"],
+) -> frozenset[Stitch]:
+    """Stitches of edges that carry tags: the closest two first, each edge once.
+
+    Args:
+        tags: of every edge.
+        free: how likely it is sewn to none; above 0.5 it is left out.
+        there: which edges are no padding.
+    """
+    from scipy.spatial.distance import cdist
+
+    sides = [tuple(int(n) for n in side) for side in np.argwhere(there & (free <= 0.5))]
+    if len(sides) < 2:
+        return frozenset()
+    points = np.array([tags[side] for side in sides])
+    apart = cdist(points, points)
+    first, second = np.triu_indices(len(sides), 1)
+    left, found = set(range(len(sides))), set()
+    for k in np.argsort(apart[first, second], kind="stable"):
+        i, j = int(first[k]), int(second[k])
+        if i in left and j in left:
+            left -= {i, j}
+            found.add(frozenset((sides[i], sides[j])))
+    return frozenset(found)  # type: ignore[arg-type]
+
+
+def published_figures(
+    truths: Sequence[Slots], found: Sequence[Slots], mode: str, *, scale: np.ndarray | None = None
+) -> dict[str, float]:
+    """The figures of a published code over some patterns, as one batch.
+
+    Args:
+        truths: true patterns.
+        found: predicted ones, in the same slots.
+        mode: `neuraltailor`, `sewformer` or `aipparel`.
+        scale: what rows of edges were divided by while training, [4]; 1 cm where it is not known.
+
+    Returns:
+        `panel_l2`, `panels`, `edges`, `rotation_l2`, `translation_l2`, `stitch_precision`,
+        `stitch_recall`, and `stitch_f1` or `accuracy` where the code has them. NaN where nothing
+        counts.
+
+    Raises:
+        ValueError: there is no such mode.
+    """
+    units = np.ones(4) if scale is None else np.asarray(scale, float)
+    modes: Mapping[str, Callable[[], dict[str, float]]] = {
+        "neuraltailor": lambda: _slotwise(truths, found, units, 4),
+        "sewformer": lambda: _slotwise(truths, found, units, 2),
+        "aipparel": lambda: _by_order(truths, found),
+    }
+    if mode not in modes:
+        raise ValueError(f"there is no mode {mode!r}; choose {', '.join(modes)}")
+    return modes[mode]()
+
+
+# --- NeuralTailor and Sewformer -------------------------------------------------------------------
+
+
+def _slotwise(
+    truths: Sequence[Slots], found: Sequence[Slots], units: np.ndarray, looked_at: int
+) -> dict[str, float]:
+    """Slot by slot; `looked_at`: how many numbers of a row tell whether it is padding."""
+    shapes: list[float] = []
+    right: list[bool] = []
+    shares: list[float] = []
+    scores: list[tuple[float, float, float]] = []
+    for truth, other in zip(truths, found):
+        counts = truth.counts
+        seen = [_edge_count(rows, units, looked_at) for rows in other.edges]
+        shapes += [
+            _shape_distance(truth.edges[k][:n], other.edges[k][:n])
+            for k, n in enumerate(counts)
+            if n >= LEAST_EDGES
+        ]
+        panels = sum(n >= LEAST_EDGES for n in counts)
+        right.append(panels == sum(n >= LEAST_EDGES for n in seen))
+        agree = sum(n >= LEAST_EDGES and n == m for n, m in zip(counts, seen))
+        shares.append(agree / panels)
+        scores.append(_stitch_scores(truth.stitches, other.stitches))
+    precision, recall, f1 = (_mean(values) for values in zip(*scores))
+    told = {
+        "panel_l2": _mean(shapes),
+        "panels": _mean(right),
+        "edges": _mean(shares),
+        "rotation_l2": _mean(_norms(truths, found, "rotations")),
+        "translation_l2": _mean(_norms(truths, found, "translations")),
+        "stitch_precision": precision,
+        "stitch_recall": recall,
+    }
+    return told | ({"stitch_f1": f1} if looked_at == 2 else {})
+
+
+def _edge_count(rows: np.ndarray, units: np.ndarray, looked_at: int) -> int:
+    there = np.any(np.abs(rows / units)[:, :looked_at] > PADDING_ATOL, axis=1)
+    count = int(there.sum())
+    missed = rows[there, :2].sum(0) if count else np.zeros(2)
+    return count + int(np.any(np.abs(missed) > CLOSED_CM))
+
+
+def _norms(truths: Sequence[Slots], found: Sequence[Slots], name: str) -> list[float]:
+    """Distances in all slots, padding as well."""
+    return [
+        float(value)
+        for truth, other in zip(truths, found)
+        for value in np.linalg.norm(getattr(truth, name) - getattr(other, name), axis=1)
+    ]
+
+
+# --- AIpparel ------------------------------------------------------------------------------------
+
+
+def _by_order(truths: Sequence[Slots], found: Sequence[Slots]) -> dict[str, float]:
+    shapes, right, shares, rotations, translations, recall = [], [], [], [], [], []
+    for truth, other in zip(truths, found):
+        ours = [k for k, n in enumerate(truth.counts) if n >= LEAST_EDGES]
+        theirs = [k for k, n in enumerate(other.counts) if n >= LEAST_EDGES]
+        agree = sum(k in ours and truth.counts[k] == other.counts[k] for k in theirs)
+        shares.append(agree / len(theirs) if theirs else 0.0)
+        right.append(len(ours) == len(theirs))
+        if not right[-1]:
+            continue
+        pairs = list(zip(ours, theirs))
+        shapes.append(_mean([_shape_distance(truth.edges[i], other.edges[j]) for i, j in pairs]))
+        for i, j in pairs:
+            turned, wanted = other.rotations[j], truth.rotations[i]
+            ways = (np.linalg.norm(turned - wanted), np.linalg.norm(turned + wanted))
+            rotations.append(float(min(ways)))
+            moved = truth.translations[i] - other.translations[j]
+            translations.append(float(np.linalg.norm(moved)))
+        recall.append(_stitch_scores(truth.stitches, other.stitches)[1])
+    return {
+        "panel_l2": _mean(shapes),
+        "panels": _mean(right),
+        "edges": _mean(shares),
+        "rotation_l2": _mean(rotations),
+        "translation_l2": _mean(translations),
+        "stitch_recall": _mean(recall),
+        "accuracy": _mean(right) * _mean(shares),
+    }
+
+
+# --- what they share -----------------------------------------------------------------------------
+
+
+def _shape_distance(a: Float[np.ndarray, "edge 4"], b: Float[np.ndarray, "edge 4"]) -> float:
+    """Mean distance of vertices and control points, both centred on their own mean [cm]."""
+    one, two = _points(a), _points(b)
+    return float(np.linalg.norm((one - one.mean(0)) - (two - two.mean(0)), axis=1).mean())
+
+
+def _points(rows: Float[np.ndarray, "edge 4"]) -> Float[np.ndarray, "point 2"]:
+    """The origin, then for each edge its control point and its end; n edges give 2 n + 1."""
+    chord, along, left = rows[:, :2], rows[:, 2:3], rows[:, 3:]
+    ends = np.cumsum(chord, axis=0)
+    beside = np.stack([-chord[:, 1], chord[:, 0]], 1)
+    controls = ends - chord + along * chord + left * beside
+    both = np.stack([controls, ends], 1).reshape(-1, 2)
+    return np.concatenate([np.zeros((1, 2)), both])
+
+
+def _stitch_scores(
+    truth: frozenset[Stitch], found: frozenset[Stitch]
+) -> tuple[float, float, float]:
+    """Precision, recall and F1; 0 where there is nothing to divide by."""
+    right = len(truth & found)
+    precision = right / len(found) if found else 0.0
+    recall = right / len(truth) if truth else 0.0
+    total = precision + recall
+    return precision, recall, 2 * precision * recall / total if total else 0.0
+
+
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if len(values) else float("nan")
+
+
+def _row(loop: Loop, number: int) -> tuple[float, float, float, float]:
+    edge = loop.edges[number]
+    (x0, y0), (x1, y1) = loop.vertices[edge.start], loop.vertices[edge.end]
+    return (x1 - x0, y1 - y0, *_control(loop, edge, number))
+
+
+def _control(loop: Loop, edge: Edge, number: int) -> tuple[float, float]:
+    """The control point of the quadratic curve with the edge's own middle."""
+    if edge.curvature is None:
+        return 0.0, 0.0
+    if isinstance(edge.curvature, Quadratic):
+        return edge.curvature.control
+    (x0, y0), (mx, my), (x1, y1) = loop.curve(number).at(np.array([0.0, 0.5, 1.0]))
+    length = hypot(x1 - x0, y1 - y0)
+    turn = atan2(y1 - y0, x1 - x0)
+    cos, sin = np.cos(turn), np.sin(turn)
+    dx, dy = 2 * mx - (x0 + x1) / 2 - x0, 2 * my - (y0 + y1) / 2 - y0
+    return float((dx * cos + dy * sin) / length), float((dy * cos - dx * sin) / length)
+
+
+def _quaternion(panel: Panel) -> Float[np.ndarray, "4"]:
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_euler("xyz", panel.rotation, degrees=True).as_quat(), float)
