@@ -56,21 +56,29 @@ def transfer_arguments(parser: argparse.ArgumentParser) -> None:
         type=whole_number,
         default=2,
         metavar="N",
-        help="times that the edited garment is decoded and encoded again (2); 0: as in the paper",
+        help="times that the edited garment is decoded and encoded again (2)",
+    )
+    parser.add_argument(
+        "--strength",
+        type=float,
+        metavar="X",
+        help="times that B - A is added; 1 to 2 without, the least that changes the topology",
     )
     _common(parser)
 
 
 def run_transfer(options: argparse.Namespace) -> Exit:
     """What a garment becomes by the edit that makes one of another."""
-    from garmentimage.explore.walk import transfer
+    from garmentimage.explore.walk import STRENGTHS, transfer
 
     space = _space(options)
     paths = (options.before, options.after, options.garment)
     a, b, c = (_source(space, path) for path in paths)
     steps = [space.step(space.encode(each)) for each in (a, b, c)]
-    steps.append(transfer(space, a, b, c, settle=options.settle))
-    titles = ["A", "B", "C", "C + (B - A)"]
+    strengths = STRENGTHS if options.strength is None else (options.strength,)
+    edited = transfer(space, a, b, c, settle=options.settle, strengths=strengths)
+    steps.append(edited.step)
+    titles = ["A", "B", "C", f"C + {edited.strength:g} (B - A)"]
     return _write(options, "garment", zip(titles, steps), len(steps))
 
 

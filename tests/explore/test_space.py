@@ -54,9 +54,13 @@ def test_the_way_between_two_garments_begins_and_ends_with_them(space):
 
 def test_an_edit_of_nothing_changes_nothing(space):
     a, b = draft("top-skirt"), draft("one-panel-dress")
-    assert np.allclose(transfer(space, a, a, b, settle=0).z, space.encode(b), atol=1e-5)
-    assert np.allclose(transfer(space, a, b, a, settle=0).z, space.encode(b), atol=1e-5)
-    assert word(transfer(space, a, a, b).pattern) == word(b)
+    plain = {"settle": 0, "strengths": [1.0]}
+    assert np.allclose(transfer(space, a, a, b, **plain).step.z, space.encode(b), atol=1e-5)
+    assert np.allclose(transfer(space, a, b, a, **plain).step.z, space.encode(b), atol=1e-5)
+    same = transfer(space, a, a, b)
+    assert word(same.step.pattern) == word(b) and same.strength == 1
+    with pytest.raises(LearnError, match=r"strengths \[0\]; give some above 0"):
+        transfer(space, a, a, b, strengths=[0])
     with pytest.raises(LearnError, match="settled 21 times; give 0 to 20"):
         transfer(space, a, a, b, settle=21)
 

@@ -26,8 +26,8 @@ from garmentimage.evaluate.garment import (
     seen,
     silhouette_distance,
 )
-from garmentimage.explore.space import LatentSpace
-from garmentimage.explore.walk import SETTLE
+from garmentimage.explore.space import LatentSpace, Step
+from garmentimage.explore.walk import SETTLE, STRENGTHS, edit
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.repair import RepairLevel
@@ -166,10 +166,14 @@ def _interpolation(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
 
 def _edit(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-    ways = {"settled": SETTLE, "as in the paper": 0}
+    ways = {
+        "settled and pushed": (SETTLE, STRENGTHS),
+        "settled": (SETTLE, (1.0,)),
+        "as in the paper": (0, (1.0,)),
+    }
     return {"edit": triplet.edit.name} | {
-        way: _edited(_decoded(codec, codec.settled(c + (b - a), times)), triplet)
-        for way, times in ways.items()
+        way: _edited(_seen(edit(codec, a, b, c, settle=times, strengths=tried).step), triplet)
+        for way, (times, tried) in ways.items()
     }
 
 
@@ -198,7 +202,10 @@ def _topology(pattern: Pattern) -> str:
 
 
 def _decoded(codec: Codec, z: np.ndarray) -> Seen:
-    step = codec.step(z)
+    return _seen(codec.step(z))
+
+
+def _seen(step: Step) -> Seen:
     return seen(step.pattern, step.faults[0] if step.faults else "")
 
 

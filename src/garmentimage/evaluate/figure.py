@@ -9,7 +9,7 @@ from garmentimage.evaluate.codecs import Codec
 from garmentimage.evaluate.edits import Triplet
 from garmentimage.explore.space import Step
 from garmentimage.explore.strip import shown, strip
-from garmentimage.explore.walk import SETTLE
+from garmentimage.explore.walk import edit
 from garmentimage.pattern.model import Pattern
 
 
@@ -32,7 +32,8 @@ def edit_picture(codecs: Sequence[Codec], triplet: Triplet) -> UInt8[np.ndarray,
     rows = []
     for codec in codecs:
         a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-        latents = {"A": a, "B": b, "C": c, "C + (B - A)": codec.settled(c + (b - a), SETTLE)}
-        columns = [shown(title, codec.step(z)) for title, z in latents.items()]
+        edited = edit(codec, a, b, c)
+        columns = [shown(title, codec.step(z)) for title, z in {"A": a, "B": b, "C": c}.items()]
+        columns.append(shown(f"C + {edited.strength:g} (B - A)", edited.step))
         rows.append(strip([*columns, shown("wanted", Step(a, None, None, triplet.truth, ()))]))
     return np.concatenate(rows)

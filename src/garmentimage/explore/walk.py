@@ -1,6 +1,8 @@
 """Ways through a latent space: between two garments, along an edit, and at random (Section 4.1)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -9,6 +11,9 @@ from garmentimage.dataset.row import draw, task_of
 from garmentimage.draft.parameters import near
 from garmentimage.errors import LearnError, quoted
 from garmentimage.explore.space import Latent, LatentSpace, Step
+from garmentimage.metrics.stitch_graph import stitch_graph
+from garmentimage.metrics.topology import topology_word
+from garmentimage.metrics.validity import structure_faults
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.image import GarmentImage
 
@@ -20,7 +25,30 @@ STEP_LIMITS = (2, 200)
 MOST_DRAWS = 20
 """A garment that is rejected so often is given up."""
 
+STRENGTHS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0)
+"""Of an edit: the first that changes the topology, where the edit should; chosen like `SETTLE`."""
+MOST_STRENGTH = 10.0
+
 Source = Pattern | GarmentImage
+
+
+class Editable(Protocol):
+    """What has points that are garments."""
+
+    def settled(self, z: Latent, times: int) -> Latent:
+        """A point decoded and encoded again so many times."""
+
+    def step(self, z: Latent) -> Step:
+        """The garment at a point."""
+
+
+@dataclass(frozen=True)
+class Edited:
+    """A garment that was edited."""
+
+    step: Step
+    strength: float
+    """Times B - A was added."""
 
 
 def interpolate(space: LatentSpace, a: Source, b: Source, steps: int = STEPS) -> list[Step]:
@@ -37,24 +65,62 @@ def interpolate(space: LatentSpace, a: Source, b: Source, steps: int = STEPS) ->
     return [space.step(_between(start, end, share)) for share in np.linspace(0, 1, steps)]
 
 
-def transfer(space: LatentSpace, a: Source, b: Source, c: Source, *, settle: int = SETTLE) -> Step:
-    """What `c` becomes by the edit that makes `b` of `a`: C + (B - A), settled.
-
-    Args:
-        space: the network.
-        a: a garment without what is added.
-        b: the same with it.
-        c: the garment that it is added to.
-        settle: times that the sum is settled (`LatentSpace.settled`); 0 is the paper's arithmetic.
+def transfer(
+    space: LatentSpace,
+    a: Source,
+    b: Source,
+    c: Source,
+    *,
+    settle: int = SETTLE,
+    strengths: Sequence[float] = STRENGTHS,
+) -> Edited:
+    """What `c` becomes by the edit that makes `b` of `a`; see `edit`.
 
     Raises:
-        LearnError: `settle` out of 0 to `SETTLE_LIMIT`, or a garment that the network does not
-            take.
+        LearnError: `settle` out of 0 to `SETTLE_LIMIT`, no strengths, or a garment that the network
+            does not take.
     """
     if not 0 <= settle <= SETTLE_LIMIT:
         raise LearnError(f"settled {settle} times; give 0 to {SETTLE_LIMIT}")
-    z = space.encode(c) + (space.encode(b) - space.encode(a))
-    return space.step(space.settled(z, settle))
+    if not strengths or not all(0 < each <= MOST_STRENGTH for each in strengths):
+        raise LearnError(f"strengths {list(strengths)}; give some above 0 and up to 10")
+    return edit(
+        space, *(space.encode(each) for each in (a, b, c)), settle=settle, strengths=strengths
+    )
+
+
+def edit(
+    space: Editable,
+    a: Latent,
+    b: Latent,
+    c: Latent,
+    *,
+    settle: int = SETTLE,
+    strengths: Sequence[float] = STRENGTHS,
+) -> Edited:
+    """C + s (B - A), settled, by the least strength s that makes another garment of C.
+
+    Where A and B have the same topology the first strength is enough, and so it is where no
+    strength changes that of C. `settle=0, strengths=[1]` is the arithmetic of the paper.
+
+    Args:
+        space: the network.
+        a: latent vector of a garment without what is added.
+        b: of the same with it.
+        c: of the garment that it is added to.
+        settle: times that a sum is decoded and encoded again (`LatentSpace.settled`).
+        strengths: those to try, in this order.
+    """
+    tried = (
+        Edited(space.step(space.settled((c + s * (b - a)).astype(np.float32), settle)), s)
+        for s in strengths
+    )
+    first = next(tried)
+    if len(strengths) == 1 or _topology(space.step(a)) == _topology(space.step(b)):
+        return first
+    unchanged = ("", _topology(space.step(c)))
+    while_same = (each for each in (first, *tried) if _topology(each.step) not in unchanged)
+    return next(while_same, first)
 
 
 def generate(
@@ -102,6 +168,13 @@ def nearest(space: LatentSpace, source: Source, count: int = 5) -> list[tuple[st
         )
         for k in found
     ]
+
+
+def _topology(step: Step) -> str:
+    """See `topology_word`; empty where it is no garment."""
+    if step.pattern is None or structure_faults(step.pattern):
+        return ""
+    return topology_word(stitch_graph(step.pattern))
 
 
 def _between(start: Latent, end: Latent, share: float) -> Latent:
