@@ -27,7 +27,7 @@ from garmentimage.evaluate.garment import (
     silhouette_distance,
 )
 from garmentimage.explore.space import LatentSpace, Step
-from garmentimage.explore.walk import SETTLE, STRENGTHS, edit
+from garmentimage.explore.walk import edit
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.repair import RepairLevel
@@ -166,15 +166,15 @@ def _interpolation(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
 
 def _edit(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-    ways = {
-        "settled and pushed": (SETTLE, STRENGTHS),
-        "settled": (SETTLE, (1.0,)),
-        "as in the paper": (0, (1.0,)),
-    }
-    return {"edit": triplet.edit.name} | {
-        way: _edited(_seen(edit(codec, a, b, c, settle=times, strengths=tried).step), triplet)
-        for way, (times, tried) in ways.items()
-    }
+    pushed, plain = edit(codec, a, b, c), edit(codec, a, b, c, settle=0, strengths=(1.0,))
+    told = {"settled and pushed": _edited(_seen(pushed.step), triplet)}
+    if pushed.strength == 1:
+        told["settled"] = told["settled and pushed"]
+    else:
+        settled = edit(codec, a, b, c, strengths=(1.0,))
+        told["settled"] = _edited(_seen(settled.step), triplet)
+    told["as in the paper"] = _edited(_seen(plain.step), triplet)
+    return {"edit": triplet.edit.name, **told}
 
 
 def _edited(found: Seen, triplet: Triplet) -> dict[str, Any]:
