@@ -71,7 +71,7 @@ def slots_of(pattern: Pattern, names: Sequence[str], edges: int = SLOT_EDGES) ->
         rows[k, : len(panel.outline.edges)] = [
             _row(panel.outline, number) for number in range(len(panel.outline.edges))
         ]
-        rotations[k] = _quaternion(panel)
+        rotations[k] = quaternion(panel)
         translations[k] = universal_translation(panel)
     number = {name: k for k, name in enumerate(names)}
     stitches = frozenset(
@@ -91,6 +91,13 @@ def universal_translation(panel: Panel) -> Float[np.ndarray, "3"]:
     )
     world = panel.to_world(sides)
     return np.asarray(world[int(np.argmax(world[:, 1]))], float)
+
+
+def quaternion(panel: Panel) -> Float[np.ndarray, "4"]:
+    """Its rotation, (x, y, z, w)."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_euler("xyz", panel.rotation, degrees=True).as_quat(), float)
 
 
 def tag_stitches(
@@ -290,9 +297,3 @@ def _control(loop: Loop, edge: Edge, number: int) -> tuple[float, float]:
     cos, sin = np.cos(turn), np.sin(turn)
     dx, dy = 2 * mx - (x0 + x1) / 2 - x0, 2 * my - (y0 + y1) / 2 - y0
     return float((dx * cos + dy * sin) / length), float((dy * cos - dx * sin) / length)
-
-
-def _quaternion(panel: Panel) -> Float[np.ndarray, "4"]:
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_euler("xyz", panel.rotation, degrees=True).as_quat(), float)

@@ -1,0 +1,57 @@
+"""A baseline in the way of NeuralTailor (Korosteleva and Lee 2022): recurrent decoders of panels.
+
+The whole picture becomes one vector; a recurrent network unrolls it into a vector for each slot,
+and another unrolls each of these into the edges of its panel. As where the GarmentImage paper
+compares with it, pictures are encoded, not point clouds. Tags of stitches come with the edges.
+"""
+
+from dataclasses import dataclass
+
+from huggingface_hub import PyTorchModelHubMixin
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from garmentimage.learn.panel_transformer import PIXELS_A_FEATURE, outputs
+from garmentimage.learn.seer import WIDTHS, Seer
+from garmentimage.learn.slot_vectors import ROW, TAGS, PicturedSlots, SlotOutputs, slot_losses
+
+
+@dataclass(frozen=True)
+class PanelRecurrentConfig:
+    """Size of the network."""
+
+    slots: int
+    edges: int
+    picture: int = 128
+    width: int = 192
+    layers: int = 2
+
+
+class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
+    """Pictures to patterns in slots."""
+
+    def __init__(self, config: PanelRecurrentConfig) -> None:
+        super().__init__()
+        self.config = config
+        width, cells = config.width, config.picture // PIXELS_A_FEATURE
+        self.see = Seer()
+        self.whole = nn.Sequential(
+            nn.Conv2d(WIDTHS[-1], 32, 1), nn.Flatten(), nn.Linear(32 * cells * cells, width)
+        )
+        self.panels = nn.LSTM(width, width, config.layers, batch_first=True)
+        self.edges = nn.LSTM(width, width, config.layers, batch_first=True)
+        self.to_place = nn.Linear(width, 7)
+        self.to_edge = nn.Linear(width, ROW + TAGS + 1)
+
+    def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
+        """The whole loss, and what it is made of."""
+        return slot_losses(self.predict(batch.seen()), batch.patterns)
+
+    def predict(self, seen: Float[Tensor, "n 3 pixel_row pixel_col"]) -> SlotOutputs:
+        """Patterns of pictures."""
+        config = self.config
+        whole = self.whole(self.see(seen))
+        panels, _ = self.panels(whole[:, None].expand(-1, config.slots, -1))
+        each = panels.flatten(0, 1)[:, None].expand(-1, config.edges, -1)
+        edges, _ = self.edges(each)
+        return outputs(self.to_place(panels), self.to_edge(edges).unflatten(0, panels.shape[:2]))

@@ -1,0 +1,81 @@
+"""Patterns in slots, and the baselines that predict them from pictures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from garmentimage.draft.kinds import draft
+from garmentimage.errors import DecodeError
+from garmentimage.evaluate.garment import panel_overlap, same_graph
+from garmentimage.learn.panel_recurrent import PanelRecurrent, PanelRecurrentConfig
+from garmentimage.learn.panel_transformer import PanelTransformer, PanelTransformerConfig
+from garmentimage.learn.slot_vectors import (
+    PicturedSlots,
+    SlotOutputs,
+    pattern_from,
+    slot_losses,
+    slot_vectors,
+    slot_words,
+)
+from garmentimage.metrics import validity
+
+GARMENTS = [
+    draft(kind, sleeves=sleeves)
+    for kind in ("one-panel-dress", "top-pants")
+    for sleeves in ("none", "set-in")
+]
+WORDS = slot_words(GARMENTS)
+
+
+def said(truth) -> SlotOutputs:
+    free = torch.where(truth.sewn, -9.0, 9.0)
+    return SlotOutputs(truth.edges, truth.rotations, truth.translations, truth.tags, free)
+
+
+def test_what_is_said_without_error_is_the_garment():
+    truth = slot_vectors(GARMENTS, WORDS)
+    assert slot_losses(said(truth), truth)["loss"].item() < 1e-3
+    for number, garment in enumerate(GARMENTS):
+        again = pattern_from(said(truth), number, WORDS)
+        assert panel_overlap(garment, again) > 0.99 and same_graph(garment, again)
+        assert not validity(again)
+        for panel in garment.panels:
+            other = again.by_name[panel.name]
+            corners = [np.array(each.outline.vertices) for each in (panel, other)]
+            placed = [each.to_world(c) for each, c in zip((panel, other), corners)]
+            assert np.allclose(placed[0], placed[1], atol=0.01)
+
+
+def test_slots_without_a_panel_are_no_garment():
+    truth = slot_vectors(GARMENTS[:1], WORDS)
+    nothing = replace(said(truth), edges=torch.zeros_like(truth.edges))
+    with pytest.raises(DecodeError, match="the slots hold no panel"):
+        pattern_from(nothing, 0, WORDS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("network", "config"),
+    [
+        (PanelTransformer, PanelTransformerConfig(len(WORDS.names), WORDS.edges)),
+        (PanelRecurrent, PanelRecurrentConfig(len(WORDS.names), WORDS.edges)),
+    ],
+    ids=["transformer", "recurrent"],
+)
+def test_a_baseline_learns_a_few_garments_by_heart(network, config):
+    torch.manual_seed(0)
+    made = network(config)
+    pictures = torch.randint(0, 256, (len(GARMENTS), 3, 128, 128), dtype=torch.uint8)
+    batch = PicturedSlots(pictures, slot_vectors(GARMENTS, WORDS))
+    optimizer = torch.optim.AdamW(made.parameters(), 1e-3)
+    first = made(batch)["loss"].item()
+    for _ in range(400):
+        losses = made(batch)
+        optimizer.zero_grad()
+        losses["loss"].backward()
+        torch.nn.utils.clip_grad_norm_(made.parameters(), 1.0)
+        optimizer.step()
+    assert losses["loss"].item() < 0.15 * first
+    assert losses["rotations"].item() < 0.05 and losses["translations"].item() < 0.05
