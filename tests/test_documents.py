@@ -19,7 +19,6 @@ from garmentimage.drape.fabric import FABRICS
 from garmentimage.drape.judge import DEEPEST, MOST_SLID, MOST_STRAIN
 from garmentimage.drape.worn import DrapeReport
 from garmentimage.examples import example_path
-from garmentimage.explore.space import DEFAULT, space_names
 from garmentimage.geometry.polygons import centroid
 from garmentimage.pattern.spec import load_pattern, pattern_from_spec, pattern_to_spec
 from garmentimage.raster.decode import decode
@@ -68,7 +67,6 @@ def test_the_commands_of_the_readme_run_as_written(tmp_path, monkeypatch, capsys
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(DEFAULT not in space_names(), reason="no network is shipped yet")
 def test_exploring_runs_as_written(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "out").mkdir()

@@ -78,7 +78,7 @@ def run_transfer(options: argparse.Namespace) -> Exit:
     strengths = STRENGTHS if options.strength is None else (options.strength,)
     edited = transfer(space, a, b, c, settle=options.settle, strengths=strengths)
     steps.append(edited.step)
-    titles = ["A", "B", "C", f"C + {edited.strength:g} (B - A)"]
+    titles = ["A", "B", "C", edited.title]
     return _write(options, "garment", zip(titles, steps), len(steps))
 
 

@@ -10,13 +10,11 @@ import pytest
 from garmentimage.draft.kinds import draft
 from garmentimage.draft.sample import sample
 from garmentimage.errors import DatasetError, LearnError
-from garmentimage.explore.space import DEFAULT, LatentSpace, space_names
+from garmentimage.explore.space import LatentSpace, space_names
 from garmentimage.explore.walk import generate, interpolate, nearest, transfer
 from garmentimage.metrics import match_panels, stitch_graph, validity
 from garmentimage.metrics.topology import topology_word
 from garmentimage.raster.encode import encode
-
-pytestmark = pytest.mark.skipif(DEFAULT not in space_names(), reason="no network is shipped yet")
 
 
 @pytest.fixture(scope="module")

@@ -34,6 +34,6 @@ def edit_picture(codecs: Sequence[Codec], triplet: Triplet) -> UInt8[np.ndarray,
         a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
         edited = edit(codec, a, b, c)
         columns = [shown(title, codec.step(z)) for title, z in {"A": a, "B": b, "C": c}.items()]
-        columns.append(shown(f"C + {edited.strength:g} (B - A)", edited.step))
+        columns.append(shown(edited.title, edited.step))
         rows.append(strip([*columns, shown("wanted", Step(a, None, None, triplet.truth, ()))]))
     return np.concatenate(rows)

@@ -50,6 +50,11 @@ class Edited:
     strength: float
     """Times B - A was added."""
 
+    @property
+    def title(self) -> str:
+        """The edit as a sum."""
+        return f"C + {'' if self.strength == 1 else f'{self.strength:g} '}(B - A)"
+
 
 def interpolate(space: LatentSpace, a: Source, b: Source, steps: int = STEPS) -> list[Step]:
     """Garments on the straight way from `a` to `b`, both ends among them.
