@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from jaxtyping import Float32
 
 from garmentimage.dataset.recipe import recipe
 from garmentimage.dataset.row import draw, task_of
@@ -133,8 +134,9 @@ def generate(
 ) -> Iterator[Step]:
     """New garments, each like those of one type, drawn from the normal distribution of its latents.
 
-    Garment k of a seed is the same however many are drawn. One that is no valid garment is drawn
-    again.
+    Each is settled, and drawn again where it is no valid garment, or has another topology than the
+    nearest garment of its type that the network knows. Garment k of a seed is the same however many
+    are drawn.
 
     Raises:
         LearnError: there is no such type, or a number that will not do.
@@ -147,9 +149,11 @@ def generate(
     for number in range(count):
         random = np.random.default_rng([seed, number])
         name = type_name or types[int(random.integers(len(types)))]
+        here = space.garments.latents[[each == name for each in space.garments.types]]
         for _ in range(MOST_DRAWS):
-            step = space.step(_drawn(space, name, random))
-            if not step.faults:
+            step = space.step(space.settled(_drawn(here, random), SETTLE))
+            known = here[np.linalg.norm(here - step.z, axis=1).argmin()]
+            if not step.faults and _topology(step) == _topology(space.step(known)):
                 break
         yield step
 
@@ -186,7 +190,6 @@ def _between(start: Latent, end: Latent, share: float) -> Latent:
     return ((1 - share) * start + share * end).astype(np.float32)
 
 
-def _drawn(space: LatentSpace, name: str, random: np.random.Generator) -> Latent:
-    here = space.garments.latents[[each == name for each in space.garments.types]]
+def _drawn(here: Float32[np.ndarray, "n latent"], random: np.random.Generator) -> Latent:
     spread = np.linalg.cholesky(np.cov(here.T) + 1e-6 * np.eye(here.shape[1]))
     return (here.mean(0) + spread @ random.standard_normal(here.shape[1])).astype(np.float32)
