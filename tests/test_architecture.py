@@ -27,6 +27,7 @@ ROOMS = (
     {"metrics", "render", "examples"},
     {"dataset"},
     {"explore"},
+    {"predict"},
     {"learn"},
     {"evaluate"},
 )

@@ -127,6 +127,7 @@ def _train_cascade(options: argparse.Namespace, settings: "Settings") -> Exit:
 
     from garmentimage.learn.card import card
     from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig
+    from garmentimage.learn.export import export_cascade
     from garmentimage.learn.pictured import read_album
     from garmentimage.learn.train import MODEL, train
 
@@ -152,9 +153,8 @@ def _train_cascade(options: argparse.Namespace, settings: "Settings") -> Exit:
         "cells."
     )
     text = card(f"Picture to GarmentImage, {told['recipe']}", what, told, trained.log[-1])
-    folder = options.out / MODEL
-    trained.model.save_pretrained(folder)  # type: ignore[operator]
-    (folder / "README.md").write_text(text, encoding="utf-8")
+    facts = {"recipe": told["recipe"], "seed": told["seed of the data"]}
+    export_cascade(trained.model, known, held_out, facts, text, options.out / MODEL)  # type: ignore[arg-type]
     return _say(options, told, trained.log[-1])
 
 

@@ -1,9 +1,12 @@
 """Networks on disk: the same with torch and without, and a sentence for what is no network."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
 
+import garmentimage
 from garmentimage.errors import LearnError
 from garmentimage.explore.space import LatentSpace
 from garmentimage.learn.export import export
@@ -71,3 +74,15 @@ def test_what_is_no_network_is_told(made, tmp_path):
     (tmp_path / "model.safetensors").write_bytes(b"\x00" * 100)
     with pytest.raises(LearnError, match="holds no GarmentVAE that can be read"):
         load_weights(GarmentVAE, tmp_path)
+
+
+@pytest.mark.slow
+def test_exported_networks_tell_nothing_of_the_machine(made):
+    _, folder = made
+    shipped = Path(garmentimage.__file__).parent / "weights"
+    found = [*folder.glob("*.onnx"), *shipped.glob("*/*.onnx")]
+    assert len(found) >= 6
+    for file in found:
+        data = file.read_bytes()
+        for path in (b"site-packages", b'.py"', str(Path.cwd()).encode()):
+            assert path not in data, file

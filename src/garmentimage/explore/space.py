@@ -69,7 +69,7 @@ class LatentSpace:
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
-        self.config = _read_config(self.folder)
+        self.config = read_config(self.folder, ("grid", "latent"))
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT) -> "LatentSpace":
@@ -158,18 +158,18 @@ class LatentSpace:
                 ids, types, latents = (file[name] for name in ("ids", "types", "latents"))
             found = Garments(tuple(ids.tolist()), tuple(types.tolist()), latents.astype(np.float32))
         except (OSError, ValueError, KeyError, EOFError) as error:
-            raise _damaged(self.folder / GARMENTS) from error
+            raise damaged(self.folder / GARMENTS) from error
         if found.latents.shape != (len(found.ids), self.latent):
-            raise _damaged(self.folder / GARMENTS)
+            raise damaged(self.folder / GARMENTS)
         return found
 
     @cached_property
     def _encoder(self) -> Any:
-        return _session(self.folder / ENCODER)
+        return open_session(self.folder / ENCODER)
 
     @cached_property
     def _decoder(self) -> Any:
-        return _session(self.folder / DECODER)
+        return open_session(self.folder / DECODER)
 
 
 def step_of(
@@ -188,7 +188,7 @@ def space_names() -> tuple[str, ...]:
     """Names of the latent spaces that come with the package."""
     folder = files("garmentimage") / "weights"
     return tuple(
-        sorted(each.name for each in folder.iterdir() if (each / CONFIG).is_file())
+        sorted(each.name for each in folder.iterdir() if (each / DECODER).is_file())
         if folder.is_dir()
         else ()
     )
@@ -208,11 +208,20 @@ def check_contract(config: Mapping[str, Any], where: str | Path) -> None:
         )
 
 
-def _read_config(folder: Path) -> dict[str, Any]:
+def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
+    """What a network in a folder was made for.
+
+    Args:
+        folder: the network.
+        sizes: names of whole numbers that its configuration must have.
+
+    Raises:
+        LearnError: there is none, or it was made for other channels than this version has.
+    """
     file = folder / CONFIG
     try:
         config = json.loads(file.read_text(encoding="utf-8"))
-        numbers: Sequence[Any] = [config["grid"], config["latent"]]
+        numbers: Sequence[Any] = [config[name] for name in sizes]
         if not all(type(n) is int and 1 <= n <= 4096 for n in numbers):
             raise ValueError
     except FileNotFoundError:
@@ -222,12 +231,17 @@ def _read_config(folder: Path) -> dict[str, Any]:
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise _damaged(file) from None
+        raise damaged(file) from None
     check_contract(config, file)
     return config
 
 
-def _session(file: Path) -> Any:
+def open_session(file: Path) -> Any:
+    """The network in a file, to be run on one core.
+
+    Raises:
+        LearnError: the file cannot be read, or holds none.
+    """
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
@@ -240,8 +254,9 @@ def _session(file: Path) -> Any:
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
     except Exception as error:  # onnxruntime has no base class of its own for its errors.
-        raise _damaged(file) from error
+        raise damaged(file) from error
 
 
-def _damaged(file: Path) -> LearnError:
+def damaged(file: Path) -> LearnError:
+    """The error of a network's file that does not hold what it should."""
     return LearnError(f"{shown_path(file)}: is damaged, or none of ours; get it again")

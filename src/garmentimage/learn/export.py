@@ -1,4 +1,4 @@
-"""A trained network as a latent space: what is used without torch."""
+"""Trained networks as folders that are used without torch: latent spaces, and cascades."""
 
 import json
 import logging
@@ -14,15 +14,24 @@ import torch
 from safetensors.torch import save
 from torch import Tensor, nn
 
+from garmentimage.errors import DatasetError
 from garmentimage.explore.space import CONFIG, DECODER, ENCODER, GARMENTS
 from garmentimage.files import write_together
+from garmentimage.learn.cascade import Cascade
 from garmentimage.learn.garment_vae import GarmentVAE, from_channels, to_channels
+from garmentimage.learn.pictured import Album
 from garmentimage.learn.rasters import INPUTS, Labelled
+from garmentimage.predict.network import PICTURES, PREDICTOR, distance_from, shrunk
+from garmentimage.predict.photo import Box, wearer_mask
 
 OPSET = 18
 KNOWN_A_TYPE = 300
 """Garments of each type that a space knows by heart."""
 WEIGHTS, CARD = "model.safetensors", "README.md"
+SEEN, AXES = 1000, 48
+"""Pictures by which others are judged, and directions in which they may differ."""
+USUAL = 0.99
+"""Share of held-out pictures that are no further from the others than is usual."""
 
 
 class _Encoder(nn.Module):
@@ -73,6 +82,86 @@ def export(
     )
 
 
+class _Predictor(nn.Module):
+    def __init__(self, model: Cascade) -> None:
+        super().__init__()
+        self.model = model
+
+    def forward(self, picture: Tensor) -> Tensor:
+        return self.model.predict(picture)
+
+
+def export_cascade(
+    model: Cascade, known: Album, held_out: Album, facts: Mapping[str, Any], card: str, folder: Path
+) -> None:
+    """Write a cascade for use (`PatternPredictor`), and its weights for training on.
+
+    Args:
+        model: the network.
+        known: what it was trained on.
+        held_out: pictures by which those like them are told from others.
+        facts: recipe, seed and the like, for `config.json`.
+        card: the model card.
+        folder: where to.
+    """
+    model = model.cpu().eval()
+    size = model.config.picture
+    halves = {name: value.half().contiguous() for name, value in model.state_dict().items()}
+    told = {**asdict(model.config), **facts, "wearer": asdict(_wearer(known))}
+    folder.mkdir(parents=True, exist_ok=True)
+    write_together(
+        {
+            folder / CONFIG: json.dumps(told, indent=1) + "\n",
+            folder / WEIGHTS: save(halves, {"format": "pt"}),
+            folder / PREDICTOR: _onnx(
+                _Predictor(model), torch.zeros(2, 3, size, size), "picture", "channels"
+            ),
+            folder / PICTURES: _pictures(known, held_out),
+            folder / CARD: card,
+        }
+    )
+
+
+def _rows(album: Album, most: int) -> list[np.ndarray]:
+    """Some pictures, the highest row first."""
+    numbers = np.linspace(0, len(album.ids) - 1, min(most, len(album.ids))).astype(int)
+    return [
+        np.ascontiguousarray(picture.numpy()[:, ::-1].transpose(1, 2, 0))
+        for picture in album.garments.pictures[torch.from_numpy(numbers)]
+    ]
+
+
+def _wearer(album: Album) -> Box:
+    """Where the wearer is in most pictures."""
+    boxes = []
+    for pixels in _rows(album, SEEN):
+        mask = wearer_mask(pixels)
+        if mask is not None:
+            at = np.argwhere(mask)
+            boxes.append([*at.min(0), *(at.max(0) + 1)])
+    if not boxes:
+        raise DatasetError("the pictures have no plain background; a cascade needs one")
+    top, left, bottom, right = np.median(boxes, axis=0) / len(pixels)
+    return Box(float(top), float(bottom), float(left), float(right))
+
+
+def _pictures(known: Album, held_out: Album) -> bytes:
+    """The plane that pictures lie near to, and how far held-out ones are from it."""
+    rows = np.array([shrunk(pixels) for pixels in _rows(known, SEEN)])
+    middle = rows.mean(0)
+    _, _, axes = np.linalg.svd(rows - middle, full_matrices=False)
+    axes = axes[:AXES]
+    apart = [distance_from(shrunk(pixels), middle, axes) for pixels in _rows(held_out, SEEN)]
+    file = BytesIO()
+    np.savez_compressed(
+        file,
+        middle=middle.astype(np.float16),
+        axes=axes.astype(np.float16),
+        usual=np.float32(np.quantile(apart, USUAL)),
+    )
+    return file.getvalue()
+
+
 @torch.no_grad()
 def _garments(model: GarmentVAE, known: Labelled) -> bytes:
     types = np.array(known.types)
@@ -113,7 +202,10 @@ def _onnx(model: nn.Module, example: Tensor, taken: str, given: str) -> bytes:
 
 
 def _halved(model: Any) -> bytes:
-    """The same network with its larger weights stored as float16, cast when it is loaded."""
+    """The same network, its larger weights stored as float16 and cast when it is loaded.
+
+    What the exporter notes at each node, such as paths of this machine, is left out.
+    """
     from onnx import TensorProto, helper, numpy_helper
 
     graph = model.graph
@@ -125,6 +217,9 @@ def _halved(model: Any) -> bytes:
         weights.CopyFrom(numpy_helper.from_array(values.astype(np.float16), f"{name}_half"))
         casts.append(helper.make_node("Cast", [f"{name}_half"], [name], to=TensorProto.FLOAT))
     nodes = [*casts, *graph.node]
+    for noted in (model, graph, *nodes, *graph.value_info, *graph.input, *graph.output):
+        noted.ClearField("doc_string")
+        noted.ClearField("metadata_props")
     del graph.node[:]
     graph.node.extend(nodes)
     return bytes(model.SerializeToString())

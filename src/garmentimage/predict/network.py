@@ -1,0 +1,182 @@
+"""A trained cascade in use: a picture to a GarmentImage, and that to a pattern.
+
+A network is a folder: `config.json` (what it was made for, and where it saw the wearer),
+`predictor.onnx` (pictures to channels, see `GarmentImage.to_channels`) and `pictures.npz` (what the
+pictures that it was trained on have in common, to tell others from them).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Float32, UInt8
+
+from garmentimage.draft.parameters import near
+from garmentimage.errors import LearnError, quoted
+from garmentimage.explore.space import damaged, open_session, read_config, step_of
+from garmentimage.pattern.model import Pattern
+from garmentimage.predict.photo import Box, Photo, framed, read_photo
+from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, GarmentImage
+from garmentimage.raster.repair import RepairLevel, RepairReport
+
+PREDICTOR, PICTURES = "predictor.onnx", "pictures.npz"
+DEFAULT = "image-wide"
+SMALL = 32
+"""Pixels a side at which pictures are compared."""
+SURE = 0.5
+"""A confidence below this is low."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a network makes of a picture."""
+
+    photo: Photo
+    """As the network saw it."""
+    channels: Float32[np.ndarray, "34 row col"]
+    """Probabilities, and vectors in cm, not repaired."""
+    image: GarmentImage
+    """Repaired."""
+    repairs: RepairReport
+    pattern: Pattern | None
+    """None where no garment can be read from the image."""
+    faults: tuple[str, ...]
+    """Why it cannot be cut and sewn; empty where it can."""
+    confidence: float
+    """From 0 to 1: how sure the network is of flags and edge types; less where the picture is
+    unlike those that it was trained on."""
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether there is reason to trust it."""
+        return self.confidence >= SURE and not self.faults
+
+
+class PatternPredictor:
+    """A trained cascade.
+
+    Args:
+        folder: where its files are.
+
+    Raises:
+        LearnError: they are not, or were made for other channels than this version has.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.config = read_config(self.folder, ("grid", "picture"))
+        try:
+            self.box = Box(**{k: float(v) for k, v in self.config["wearer"].items()})
+        except (KeyError, TypeError, ValueError, AttributeError):
+            raise damaged(self.folder / "config.json") from None
+
+    @classmethod
+    def load(cls, name: str | Path = DEFAULT) -> "PatternPredictor":
+        """A network that comes with the package, by name, or one in a folder.
+
+        Raises:
+            LearnError: there is none of that name, and no such folder.
+        """
+        known = predictor_names()
+        if str(name) in known:
+            return cls(Path(str(files("garmentimage") / "weights")) / str(name))
+        if Path(name).is_dir():
+            return cls(name)
+        ways = f"{near(str(name), known)}, or " if known else ""
+        raise LearnError(f"there is no network {quoted(str(name))}; {ways}name the folder of one")
+
+    @property
+    def size(self) -> int:
+        """Pixels a side of the pictures that it takes."""
+        return int(self.config["picture"])
+
+    def predict(
+        self, picture: str | PathLike[str] | Photo, *, repair_level: RepairLevel = "full"
+    ) -> Prediction:
+        """The pattern of the garment in a picture.
+
+        Raises:
+            LearnError: the file is no picture that will do.
+        """
+        photo = picture if isinstance(picture, Photo) else read_photo(picture)
+        seen = framed(photo, self.box, self.size)
+        channels = self.channels(seen.pixels[None])[0]
+        step = step_of(np.zeros(0, np.float32), channels, repair_level)
+        assert step.image is not None and step.repairs is not None  # step_of always gives both
+        sure = certainty(channels) * self.likeness(seen.pixels)
+        return Prediction(seen, channels, step.image, step.repairs, step.pattern, step.faults, sure)
+
+    def channels(
+        self, pixels: UInt8[np.ndarray, "n row col 3"]
+    ) -> Float32[np.ndarray, "n 34 row col"]:
+        """Images of pictures that are framed already."""
+        upward = pixels[:, ::-1].transpose(0, 3, 1, 2)
+        seen = np.ascontiguousarray(upward, np.float32) / 255
+        return np.asarray(self._network.run(None, {"picture": seen})[0], np.float32)
+
+    def likeness(self, pixels: UInt8[np.ndarray, "row col 3"]) -> float:
+        """How like those that it was trained on a picture is, from 0 to 1."""
+        known = self._pictures
+        apart = distance_from(shrunk(pixels), known["middle"], known["axes"])
+        return float(np.exp(-max(apart / float(known["usual"]) - 1, 0)))
+
+    @cached_property
+    def _network(self) -> Any:
+        return open_session(self.folder / PREDICTOR)
+
+    @cached_property
+    def _pictures(self) -> dict[str, np.ndarray]:
+        try:
+            with np.load(self.folder / PICTURES, allow_pickle=False) as file:
+                return {name: file[name].astype(float) for name in ("middle", "axes", "usual")}
+        except (OSError, ValueError, KeyError, EOFError) as error:
+            raise damaged(self.folder / PICTURES) from error
+
+
+def certainty(channels: Float32[np.ndarray, "34 row col"]) -> float:
+    """How sure a network is where there is cloth: the mean share of its first choices.
+
+    Of the flags of all cells that may be inside, and of the types of their grid edges; 1 is sure.
+    """
+    layers = channels.reshape(-1, CHANNELS_PER_LAYER, *channels.shape[1:])
+    inside = layers[:, 0]
+    flags = np.abs(2 * inside - 1)
+    kinds = layers[:, 1 : 1 + 2 * EDGE_TYPE_COUNT]
+    shares = kinds.reshape(len(layers), 2, EDGE_TYPE_COUNT, *inside.shape[1:]).max(2).mean(1)
+    maybe = inside > 0.05
+    if not maybe.any():
+        return 0.0
+    return float(flags[maybe].mean() * shares[maybe].mean())
+
+
+def shrunk(pixels: UInt8[np.ndarray, "row col 3"]) -> Float[np.ndarray, " number"]:
+    """A picture as few numbers from 0 to 1."""
+    from PIL import Image
+
+    small = Image.fromarray(pixels).resize((SMALL, SMALL), Image.Resampling.BOX)
+    return np.asarray(small, float).ravel() / 255
+
+
+def distance_from(
+    numbers: Float[np.ndarray, " number"],
+    middle: Float[np.ndarray, " number"],
+    axes: Float[np.ndarray, "axis number"],
+) -> float:
+    """Distance of a picture from the plane through many others (root mean square)."""
+    rest = numbers - middle
+    rest = rest - (axes @ rest) @ axes
+    return float(np.sqrt((rest**2).mean()))
+
+
+def predictor_names() -> tuple[str, ...]:
+    """Names of the networks that come with the package."""
+    folder = files("garmentimage") / "weights"
+    return tuple(
+        sorted(each.name for each in folder.iterdir() if (each / PREDICTOR).is_file())
+        if folder.is_dir()
+        else ()
+    )
