@@ -1,17 +1,20 @@
 """The verbs of the command line that explore a latent space: interpolate, transfer and others."""
 
 import argparse
+import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentimage.errors import LearnError
-from garmentimage.files import safe_name, shown_path, write_together
+from garmentimage.files import shown_path, write_together
 from garmentimage.terminal import (
     Exit,
     errors_about,
+    list_facts,
     one_line,
     print_json,
     say,
@@ -28,6 +31,16 @@ if TYPE_CHECKING:
 IMAGE_SUFFIXES = (".npz", ".npy")
 
 
+@dataclass(frozen=True)
+class Column:
+    """A garment of a strip."""
+
+    name: str
+    """Of its files; empty where it has none."""
+    title: str
+    step: "Step"
+
+
 def interpolate_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `interpolate`."""
     _files(parser, {"first": "A", "last": "B"})
@@ -42,10 +55,11 @@ def run_interpolate(options: argparse.Namespace) -> Exit:
     from garmentimage.explore.walk import interpolate
 
     space = _space(options)
-    a, b = (_source(space, path) for path in (options.first, options.last))
-    steps = interpolate(space, a, b, options.steps)
-    titles = [f"{k}/{len(steps) - 1}" for k in range(len(steps))]
-    return _write(options, "step", zip(titles, steps), len(steps), film=True)
+    a, b = (_given(space, path) for path in (options.first, options.last))
+    steps = interpolate(space, _image(a), _image(b), options.steps)
+    columns = [Column(f"step-{k}", f"{k}/{len(steps) - 1}", step) for k, step in enumerate(steps)]
+    ends = Column("", "A, as given", a), Column("", "B, as given", b)
+    return _write(options, [ends[0], *columns, ends[1]], len(steps) + 2, film=True)
 
 
 def transfer_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,13 +87,12 @@ def run_transfer(options: argparse.Namespace) -> Exit:
 
     space = _space(options)
     paths = (options.before, options.after, options.garment)
-    a, b, c = (_source(space, path) for path in paths)
-    steps = [space.step(space.encode(each)) for each in (a, b, c)]
+    a, b, c = (_given(space, path) for path in paths)
     strengths = STRENGTHS if options.strength is None else (options.strength,)
-    edited = transfer(space, a, b, c, settle=options.settle, strengths=strengths)
-    steps.append(edited.step)
-    titles = ["A", "B", "C", edited.title]
-    return _write(options, "garment", zip(titles, steps), len(steps))
+    images = (_image(each) for each in (a, b, c))
+    edited = transfer(space, *images, settle=options.settle, strengths=strengths)
+    given = [Column("", f"{name}, as given", each) for name, each in zip("ABC", (a, b, c))]
+    return _write(options, [*given, Column("edited", edited.title, edited.step)], 4)
 
 
 def generate_arguments(parser: argparse.ArgumentParser) -> None:
@@ -98,8 +111,10 @@ def run_generate(options: argparse.Namespace) -> Exit:
 
     space = _space(options)
     made = generate(space, options.count, options.seed, type_name=options.type)
-    titled = ((f"seed {options.seed}, {k}", step) for k, step in enumerate(made))
-    return _write(options, "garment", titled, options.count)
+    columns = (
+        Column(f"garment-{k}", f"seed {options.seed}, {k}", step) for k, step in enumerate(made)
+    )
+    return _write(options, columns, options.count)
 
 
 def nearest_arguments(parser: argparse.ArgumentParser) -> None:
@@ -116,13 +131,14 @@ def run_nearest(options: argparse.Namespace) -> Exit:
     from garmentimage.render.show import compose, picture_bytes
 
     space = _space(options)
-    source = _source(space, options.garment)
-    found = nearest(space, source, options.count)
+    source = _given(space, options.garment)
+    found = nearest(space, _image(source), options.count)
     results: dict[str | PathLike[str], bytes | str] = {
         options.out / f"{row_id}.json": pattern_text(pattern) for row_id, _, pattern in found
     }
-    titles = [options.garment.stem, *(f"{row_id}, {apart:.2f} away" for row_id, apart, _ in found)]
-    figure = compose([source, *(pattern for *_, pattern in found)], titles=titles)
+    titles = [options.garment.stem, *(f"{row_id}\n{apart:.2f} away" for row_id, apart, _ in found)]
+    assert source.pattern is not None  # `_given` has one
+    figure = compose([source.pattern, *(pattern for *_, pattern in found)], titles=titles)
     results[options.out / "nearest.png"] = picture_bytes(figure, "png")
     _put(options, results)
     if options.json:
@@ -130,6 +146,7 @@ def run_nearest(options: argparse.Namespace) -> Exit:
     else:
         for row_id, apart, _ in found:
             print(f"{shown_path(options.out / row_id)}.json: {apart:.2f} away")
+        print(f"{shown_path(options.out / 'nearest.png')}: the garment and all of them")
     return Exit.OK
 
 
@@ -153,15 +170,19 @@ def _common(parser: argparse.ArgumentParser) -> None:
 def _space(options: argparse.Namespace) -> "LatentSpace":
     from garmentimage.explore.space import LatentSpace
 
-    if options.out.exists() and not options.out.is_dir():
+    try:
+        is_file = options.out.exists() and not options.out.is_dir()
+    except OSError as error:
+        raise LearnError(
+            f"{shown_path(options.out)}: cannot be used ({error.strerror}); choose another folder"
+        ) from None
+    if is_file:
         raise LearnError(f"{shown_path(options.out)}: is a file; name a folder for the results")
     return LatentSpace.load(options.space)
 
 
-def _source(space: "LatentSpace", path: Path) -> "Pattern | GarmentImage":
-    """A pattern or an image, and a warning where the network has not seen the like."""
-    from garmentimage.explore.space import LIKE_IOU
-
+def _given(space: "LatentSpace", path: Path) -> "Step":
+    """A garment of the user's, and a warning where the network has not seen the like."""
     source: Pattern | GarmentImage
     if path.suffix.lower() in IMAGE_SUFFIXES:
         from garmentimage.raster.files import load_image
@@ -173,56 +194,72 @@ def _source(space: "LatentSpace", path: Path) -> "Pattern | GarmentImage":
         source, found = read_pattern(path)
         warn(path, found)
     with errors_about(path):
-        likeness = space.likeness(space.image(source))
-    if likeness < LIKE_IOU:
+        given = space.given(source)
+    unlike = space.unlike(given)
+    if unlike:
         say(
             f"warning: {shown_path(path)}: is unlike the garments that {space.folder.name} was "
-            f"trained on (it comes back with {likeness:.0%} of its cells); expect little, and see "
-            "`garmentimage nearest`"
+            f"trained on ({unlike}); expect little, and see `garmentimage nearest`"
         )
-    return source
+    return given
+
+
+def _image(given: "Step") -> "GarmentImage":
+    assert given.image is not None  # `LatentSpace.given` has one
+    return given.image
 
 
 def _write(
-    options: argparse.Namespace,
-    word: str,
-    titled: Iterable[tuple[str, "Step"]],
-    count: int,
-    *,
-    film: bool = False,
+    options: argparse.Namespace, columns: Iterable[Column], count: int, *, film: bool = False
 ) -> Exit:
-    """Every step as pattern, raster and drape, a strip of all, and a film."""
+    """Every garment as pattern, raster and drape, a strip of all, and a film.
+
+    Columns without a name are in the strip only, as they are the user's own.
+    """
     from garmentimage.drape.export import worn_bytes
     from garmentimage.explore import strip as pictures
     from garmentimage.pattern.spec import pattern_text
     from garmentimage.raster.files import image_bytes
     from garmentimage.render.png import png_bytes
 
-    columns = list(_shown(titled, count))
+    drawn = list(_shown(columns, count))
+    made = {name: column for name, column in drawn if name}
     results: dict[str | PathLike[str], bytes | str] = {}
-    for number, column in enumerate(columns):
-        path = options.out / safe_name(f"{word}-{number}")
+    for name, column in made.items():
+        path = options.out / name
         if column.step.image is not None:
             results[path.with_suffix(".npz")] = image_bytes(column.step.image)
         if column.step.pattern is not None:
             results[path.with_suffix(".json")] = pattern_text(column.step.pattern)
         if column.worn is not None:
             results[path.with_suffix(".glb")] = worn_bytes(column.worn, ".glb")
-    results[options.out / "strip.png"] = png_bytes(pictures.strip(columns))
+    results[options.out / "strip.png"] = png_bytes(pictures.strip([each for _, each in drawn]))
     if film:
-        results[options.out / "film.gif"] = pictures.film(columns)
+        results[options.out / "film.gif"] = pictures.film(list(made.values()))
     _put(options, results)
-    _tell(options, word, columns)
+    _remove_older(options.out, next(iter(made)), results)
+    _tell(options, made)
     return Exit.OK
 
 
-def _shown(titled: Iterable[tuple[str, "Step"]], count: int) -> "Iterator[Shown]":
+def _shown(columns: Iterable[Column], count: int) -> "Iterator[tuple[str, Shown]]":
     from tqdm import tqdm
 
     from garmentimage.explore.strip import shown
 
-    for title, step in tqdm(titled, total=count, unit="garment", disable=None, file=sys.stderr):
-        yield shown(title, step)
+    for each in tqdm(columns, total=count, unit="garment", disable=None, file=sys.stderr):
+        yield each.name, shown(each.title, each.step)
+
+
+def _remove_older(
+    folder: Path, name: str, results: Mapping[str | PathLike[str], bytes | str]
+) -> None:
+    """Take away what an earlier run of the same command left and this one did not write."""
+    word = re.escape(name.rstrip("0123456789"))
+    ours = re.compile(rf"{word}\d*\.(json|npz|glb)", re.ASCII)
+    for file in folder.iterdir():
+        if ours.fullmatch(file.name) and file not in results and file.is_file():
+            file.unlink()
 
 
 def _put(options: argparse.Namespace, results: Mapping[str | PathLike[str], bytes | str]) -> None:
@@ -235,22 +272,25 @@ def _put(options: argparse.Namespace, results: Mapping[str | PathLike[str], byte
     write_together(results)
 
 
-def _tell(options: argparse.Namespace, word: str, columns: "Sequence[Shown]") -> None:
+def _tell(options: argparse.Namespace, made: "Mapping[str, Shown]") -> None:
     told: list[dict[str, Any]] = [
         {
-            "name": safe_name(f"{word}-{number}"),
+            "name": name,
             "title": column.title,
             "panels": len(column.step.pattern.panels) if column.step.pattern else 0,
             "repairs": dict(column.step.repairs.counts) if column.step.repairs else {},
             "faults": [one_line(fault) for fault in column.faults],
         }
-        for number, column in enumerate(columns)
+        for name, column in made.items()
     ]
     if options.json:
         print_json({"out": str(options.out), "garments": told})
         return
     for each in told:
-        said = f"{shown_path(options.out / each['name'])}: {each['panels']} panels"
+        said = f"{shown_path(options.out / each['name'])}: {each['title']}, {each['panels']} panels"
+        repairs = {rule: count for rule, count in each["repairs"].items() if count}
+        if repairs:
+            said += f"; repaired: {list_facts(repairs)}"
         faults = "; ".join(each["faults"])
-        print(f"{said}, NOT a garment that can be worn: {faults}" if faults else said)
+        print(f"{said}; NOT a garment that can be worn: {faults}" if faults else said)
     print(f"{shown_path(options.out / 'strip.png')}: all of them beside each other")

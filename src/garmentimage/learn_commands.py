@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 NETWORKS = ("vae", "vector-vae", "cascade")
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
+OF_CASCADE = ("without", "as_paper")
+MOST_SEED, MOST_BETA = 2**31 - 1, 1000.0
 PRECISIONS = ("32-true", "bf16-mixed", "16-mixed")
 
 
@@ -78,8 +80,9 @@ def _train_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
         )
     told = _told(options, settings, trained.log, len(known.ids))
     what = (
-        "A variational autoencoder of GarmentImages, as in Section 4.1 of the paper: front and "
-        f"back of {config.grid} x {config.grid} cells to {config.latent} numbers and back."
+        "A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its encoder one "
+        f"linear map: front and back of {config.grid} x {config.grid} cells to {config.latent} numbers "
+        "and back."
     )
     kept = {key: told[key] for key in ("recipe", "seed of the data")}
     config_facts = {"recipe": kept["recipe"], "seed": kept["seed of the data"]}
@@ -199,8 +202,17 @@ def _settings(options: argparse.Namespace) -> "Settings":
     for name in ("epochs", "batch", "devices", "nodes"):
         if getattr(settings, name) < 1:
             raise LearnError(f"--{name} is {getattr(settings, name)}; give 1 or more")
-    if not 0 < settings.rate < 1 or settings.seed < 0:
-        raise LearnError("give --rate between 0 and 1, and --seed from 0")
+    if not 0 < settings.rate < 1:
+        raise LearnError(f"--rate is {settings.rate}; give more than 0 and less than 1")
+    if not 0 <= settings.seed <= MOST_SEED:
+        raise LearnError(f"--seed is {settings.seed}; give 0 to {MOST_SEED}")
+    if options.beta is not None and not 0 <= options.beta <= MOST_BETA:
+        raise LearnError(f"--beta is {options.beta}; give 0 to {MOST_BETA:g}")
+    for name in OF_CASCADE:
+        if getattr(options, name) and options.network != "cascade":
+            raise LearnError(f"--{name.replace('_', '-')} is of the network cascade only")
+    if options.beta is not None and options.network == "cascade":
+        raise LearnError("--beta is of the networks vae and vector-vae only")
     return settings
 
 

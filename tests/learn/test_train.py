@@ -1,6 +1,7 @@
 """Training: the same for a seed, gone on with after a stop, and honest about what went wrong."""
 
 import json
+import pickle
 from dataclasses import replace
 
 import pytest
@@ -66,6 +67,51 @@ def test_another_run_in_the_same_folder_is_refused(data, tmp_path):
     (tmp_path / "run.json").write_text("[")
     with pytest.raises(LearnError, match=r"run\.json: is damaged"):
         run(data, tmp_path, replace(SHORT, epochs=1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "damage", "sentence"),
+    [
+        ("checkpoint.ckpt", b"PK", r"checkpoint\.ckpt: is damaged"),
+        ("checkpoint.ckpt", pickle.dumps([1]), r"checkpoint\.ckpt: is damaged"),
+        ("log.jsonl", b"{", r"log\.jsonl: is damaged"),
+        ("log.jsonl", b"{}\n", r"log\.jsonl: is damaged"),
+        ("run.json", None, "holds a checkpoint of nobody knows what"),
+        ("run.json", b'{"run": {}}', r"run\.json: is damaged"),
+    ],
+)
+def test_damaged_runs_are_told_by_file(data, tmp_path, name, damage, sentence):
+    run(data, tmp_path, replace(SHORT, epochs=1))
+    if damage is None:
+        (tmp_path / name).unlink()
+    else:
+        (tmp_path / name).write_bytes(damage)
+    with pytest.raises(LearnError, match=sentence) as told:
+        run(data, tmp_path, replace(SHORT, epochs=1))
+    assert "weights_only" not in str(told.value)
+
+
+@pytest.mark.slow
+def test_an_accelerator_that_is_not_there_leaves_no_run(data, tmp_path):
+    folder = tmp_path / "run"
+    if not torch.cuda.is_available():
+        with pytest.raises(LearnError, match="cannot train on this machine"):
+            run(data, folder, replace(SHORT, accelerator="cuda"))
+        assert not folder.exists()
+    (folder / "model").parent.mkdir()
+    (folder / "model").write_text("mine")
+    with pytest.raises(LearnError, match="model: is in the way"):
+        run(data, folder, SHORT)
+
+
+@pytest.mark.slow
+def test_a_loss_that_is_no_number_is_told(data, tmp_path):
+    known = read_rasters(data, "train").rasters
+    known.vectors[0, 0, 8, 8] = float("nan")
+    known.inside[0, 0, 8, 8] = 1
+    with pytest.raises(LearnError, match="the loss is no number any more in epoch 1"):
+        train(GarmentVAE(TINY), known, known, tmp_path, SHORT, {})
 
 
 @pytest.mark.slow

@@ -66,6 +66,13 @@ def _is_summary(data: Any) -> bool:
     """Whether it is what `build` writes, as far as it is shown."""
     if not isinstance(data, dict) or type(data.get("rows")) is not int:
         return False
+    if not isinstance(data.get("recipe"), str) or type(data.get("seed")) is not int:
+        return False
+    shards = data.get("shards", {})
+    if not isinstance(shards, dict) or not all(
+        isinstance(told, dict) and isinstance(told.get("sha256"), str) for told in shards.values()
+    ):
+        return False
     counts = [data.get("splits"), data.get("failed")]
     return all(
         isinstance(count, dict)

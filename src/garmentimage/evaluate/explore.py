@@ -5,6 +5,7 @@ seed that no dataset has. Records go to a folder as they come, a file for each s
 and a run that was stopped goes on.
 """
 
+import hashlib
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from garmentimage.dataset.sheet import dataset_hash
+from garmentimage.errors import GarmentImageError, LearnError
 from garmentimage.evaluate.codecs import Codec, PlainCodec, RasterCodec, VectorCodec
 from garmentimage.evaluate.edits import EDITS, Triplet, triplets
 from garmentimage.evaluate.garment import (
@@ -26,8 +29,9 @@ from garmentimage.evaluate.garment import (
     seen,
     silhouette_distance,
 )
-from garmentimage.explore.space import LatentSpace, Step
+from garmentimage.explore.space import DECODER, ENCODER, LatentSpace, Step
 from garmentimage.explore.walk import edit
+from garmentimage.files import shown_path, write_atomically
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.repair import RepairLevel
@@ -37,6 +41,7 @@ SEED = 20
 TIME_LIMIT_S = 300.0
 RESAMPLES = 2000
 """Of the bootstrap."""
+RUN_FILE = "run.json"
 STAGES = ("reconstruction", "interpolation", "edits")
 
 
@@ -96,7 +101,14 @@ def evaluate(
 
     Returns:
         By network and stage, figures with intervals of 95 %.
+
+    Raises:
+        LearnError: a network cannot be read, the test split has too few garments, or the folder
+            holds records of others.
     """
+    _check(networks, recipe, amounts)
+    _prepare(folder, networks, amounts)
+    _records.cache_clear()
     counts = {
         "reconstruction": amounts.garments,
         "interpolation": amounts.pairs,
@@ -115,7 +127,8 @@ def evaluate(
     for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
         item, made = missing[outcome.number], outcome.result
         records[item] = {"lost": made.reason} if isinstance(made, Lost) else made
-        _keep(folder, item, records[item])
+        if not isinstance(made, Lost):  # Who was lost is tried again by the next run.
+            _keep(folder, item, records[item])
         progress(len(records), len(items))
     return {
         judged.name: {
@@ -126,6 +139,71 @@ def evaluate(
         }
         for judged in networks
     }
+
+
+def _check(networks: Sequence[Judged], recipe: str, amounts: Amounts) -> None:
+    """Try every network on a garment, and whether there are pairs to draw."""
+    example = triplets_of(recipe, 1)[0].a
+    for judged in networks:
+        codec = codec_of(judged)
+        try:
+            codec.step(codec.latents([example])[0])
+        except GarmentImageError as error:
+            raise LearnError(f"{shown_path(judged.folder)}: {error}") from None
+    for data in {judged.data for judged in networks}:
+        _, types = _test_split(data)
+        counts = Counter(types)
+        if len(counts) < 2 or max(counts.values()) < 2 or len(types) < amounts.garments:
+            raise LearnError(
+                f"{shown_path(data)}: its test split has {len(types)} garments of {len(counts)} "
+                f"types; this takes {amounts.garments} or more, two types, and two of one type"
+            )
+
+
+def _prepare(folder: Path, networks: Sequence[Judged], amounts: Amounts) -> None:
+    """Tell what a folder's records are of, or refuse those of others."""
+    file = folder / RUN_FILE
+    told = {
+        "amounts": asdict(amounts),
+        "networks": {
+            judged.name: {
+                "weights_sha256": _weights_hash(judged),
+                "data_sha256": dataset_hash(Path(judged.data)),
+            }
+            for judged in networks
+        },
+    }
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        found = json.loads(file.read_text(encoding="utf-8")) if file.exists() else told
+        others = [name for name in told["networks"] if name in found["networks"]]
+        if found["amounts"] != told["amounts"] or any(
+            found["networks"][name] != told["networks"][name] for name in others
+        ):
+            raise LearnError(
+                f"{shown_path(folder)}: holds records of other networks, data or amounts; choose "
+                "another folder"
+            )
+        told["networks"] = found["networks"] | told["networks"]
+    except OSError as error:
+        raise LearnError(
+            f"{shown_path(folder)}: cannot be used ({error.strerror}); choose another folder"
+        ) from None
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        if isinstance(error, LearnError):
+            raise
+        raise LearnError(f"{shown_path(file)}: is damaged; choose another folder") from None
+    write_atomically(file, json.dumps(told, indent=1) + "\n")
+
+
+def _weights_hash(judged: Judged) -> str:
+    """SHA-256 of a network's files; empty where there is no network."""
+    digest = hashlib.sha256()
+    for name in (DECODER, ENCODER, "model.safetensors"):
+        file = Path(judged.folder) / name
+        if judged.folder and file.is_file():
+            digest.update(file.read_bytes())
+    return digest.hexdigest() if judged.folder else ""
 
 
 def measured(item: Item) -> dict[str, Any]:
@@ -273,8 +351,15 @@ def _file(folder: Path, item: Item) -> Path:
 def _records(file: Path) -> dict[int, dict[str, Any]]:
     if not file.exists():
         return {}
-    lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
-    return {line.pop("number"): line for line in lines}
+    lines = file.read_text(encoding="utf-8").split("\n")
+    try:
+        # The last one has no end where a run was stopped while it wrote.
+        found = [json.loads(line) for line in lines[:-1]]
+        return {int(line.pop("number")): line for line in found}
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise LearnError(
+            f"{shown_path(file)}: is damaged; remove it, and what it holds is measured again"
+        ) from None
 
 
 def _kept(folder: Path, item: Item) -> dict[str, Any] | None:
@@ -282,15 +367,23 @@ def _kept(folder: Path, item: Item) -> dict[str, Any] | None:
 
 
 def _keep(folder: Path, item: Item, record: dict[str, Any]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    with _file(folder, item).open("a", encoding="utf-8") as file:
-        file.write(json.dumps({"number": item.number, **record}) + "\n")
+    file = _file(folder, item)
+    line = json.dumps({"number": item.number, **record}) + "\n"
+    if file.exists():
+        kept = file.read_text(encoding="utf-8")
+        whole = kept[: kept.rfind("\n") + 1]
+        if whole != kept:
+            write_atomically(file, whole)
+    with file.open("a", encoding="utf-8") as opened:
+        opened.write(line)
 
 
 def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Figures of a stage, each with its interval of 95 %."""
     found = [record for record in records if "lost" not in record]
     told: dict[str, Any] = {"measured": len(found), "lost": len(records) - len(found)}
+    if not found:
+        return told
     for group, rows in _groups(stage, found):
         if "becomes" in rows[0]:
             told[f"{group}becomes"] = dict(Counter(row["becomes"] for row in rows).most_common())

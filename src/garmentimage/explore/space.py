@@ -17,9 +17,12 @@ import numpy as np
 from jaxtyping import Float32
 
 from garmentimage.draft.parameters import near
-from garmentimage.errors import GarmentImageError, LearnError, quoted
+from garmentimage.errors import DecodeError, GarmentImageError, LearnError, quoted
 from garmentimage.files import shown_path
-from garmentimage.metrics.validity import validity
+from garmentimage.metrics.matching import match_panels
+from garmentimage.metrics.stitch_graph import stitch_graph
+from garmentimage.metrics.topology import topology_word
+from garmentimage.metrics.validity import structure_faults, validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode
@@ -29,7 +32,12 @@ from garmentimage.raster.repair import RepairLevel, RepairReport, repair
 CONFIG, ENCODER, DECODER, GARMENTS = "config.json", "encoder.onnx", "decoder.onnx", "garments.npz"
 DEFAULT = "vae-variety"
 LIKE_IOU = 0.85
-"""Garments whose cells come back with an IoU below this are unlike those that were trained on."""
+"""Garments whose panels come back with an IoU below this are unlike those that were trained on."""
+
+LONGEST_CM = 1000.0
+"""A cell's edge is no longer on a flat panel [cm]."""
+FEWEST = 2
+"""Garments of each type that a space knows."""
 
 Latent = Float32[np.ndarray, "latent"]
 
@@ -70,6 +78,9 @@ class LatentSpace:
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
         self.config = read_config(self.folder, ("grid", "latent"))
+        recipe, seed = self.config.get("recipe"), self.config.get("seed")
+        if not isinstance(recipe, str) or type(seed) is not int or not 0 <= seed < 2**63:
+            raise damaged(self.folder / CONFIG)
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT) -> "LatentSpace":
@@ -81,7 +92,7 @@ class LatentSpace:
         shipped = Path(str(files("garmentimage") / "weights"))
         if str(name) in space_names():
             return cls(shipped / str(name))
-        if Path(name).is_dir():
+        if is_folder(name):
             return cls(name)
         known = space_names()
         ways = f"{near(str(name), known)}, or " if known else ""
@@ -109,12 +120,28 @@ class LatentSpace:
         return self.encode_channels(self.image(source).to_channels()[None])[0]
 
     def image(self, source: Pattern | GarmentImage) -> GarmentImage:
-        """A garment as this network sees it."""
+        """A garment as this network sees it.
+
+        Raises:
+            LearnError: an image of another grid, of more than one cloth layer, or of no garment.
+            EncodeError: a pattern that does not fit the grid.
+        """
+        if not isinstance(source, Pattern | GarmentImage):
+            raise TypeError(
+                f"wanted a Pattern or a GarmentImage, not a value of type {type(source).__name__}; "
+                "load_pattern(path) and load_image(path) read them"
+            )
         image = encode(source, self.grid) if isinstance(source, Pattern) else source
         if image.grid != self.grid or image.layers != 2:
             raise LearnError(
                 f"an image of {image.layers} layers of {image.grid} x {image.grid} cells; this "
                 f"network takes 2 of {self.grid} x {self.grid}"
+            )
+        if not image.inside.any():
+            raise LearnError("an image without a cell of cloth; give one of a garment")
+        if np.abs(image.deformation).max() > LONGEST_CM:
+            raise LearnError(
+                f"an image with an edge vector of more than {LONGEST_CM:g} cm; give it in cm"
             )
         return image
 
@@ -131,7 +158,7 @@ class LatentSpace:
         return self._decoder.run(None, {"z": np.asarray(z, np.float32)})[0]
 
     def settled(self, z: Latent, times: int) -> Latent:
-        """Where a point ends that is decoded and encoded again so many times.
+        """Where a point ends that is decoded and encoded again so many times, 0 or more.
 
         Each time brings it nearer to garments that the network knows: what does not go together
         in its image is not seen by the encoder.
@@ -141,14 +168,45 @@ class LatentSpace:
         return z
 
     def step(self, z: Latent, *, repair_level: RepairLevel = "full") -> Step:
-        """The garment at a point of the space, repaired, decoded and checked."""
+        """The garment at a point of the space, repaired, decoded and checked.
+
+        Raises:
+            LearnError: a latent vector of another size, or with a number that is none.
+        """
+        if np.shape(z) != (self.latent,) or not np.isfinite(z).all():
+            raise LearnError(
+                f"a latent vector of shape {np.shape(z)}; this network's are {self.latent} numbers"
+            )
         return step_of(z, self.decode_channels(z[None])[0], repair_level)
 
-    def likeness(self, image: GarmentImage) -> float:
-        """How well a garment comes back: IoU of its cells inside; see `LIKE_IOU`."""
-        again = self.decode_channels(self.encode(image)[None])[0]
-        inside = GarmentImage.from_channels(again).inside
-        return float((inside & image.inside).sum() / max((inside | image.inside).sum(), 1))
+    def given(self, source: Pattern | GarmentImage) -> Step:
+        """A garment as it is, where the network sees it.
+
+        Raises:
+            LearnError: an image that this network does not take, or that is no garment.
+        """
+        image = self.image(source)
+        try:
+            pattern = source if isinstance(source, Pattern) else decode(image)
+        except DecodeError as error:
+            raise LearnError(f"no garment can be read from the image: {error}") from None
+        return Step(self.encode(image), image, None, pattern, tuple(validity(pattern)))
+
+    def unlike(self, given: Step) -> str:
+        """How a garment comes back otherwise than it was; empty where it does not.
+
+        A network has seen little that is like a garment that comes back with other seams, or with
+        panels whose mean IoU is below `LIKE_IOU`.
+        """
+        assert given.pattern is not None  # `given` has one
+        again = self.step(given.z).pattern
+        if again is None:
+            return "it comes back as no garment"
+        panels = f"{len(again.panels)} panels of its {len(given.pattern.panels)}"
+        if topology_of(again) != topology_of(given.pattern):
+            return f"it comes back with other seams, as {panels}"
+        overlap = match_panels(given.pattern, again).mean_iou
+        return f"its panels come back with an IoU of {overlap:.2f}" if overlap < LIKE_IOU else ""
 
     @cached_property
     def garments(self) -> Garments:
@@ -157,19 +215,29 @@ class LatentSpace:
             with np.load(self.folder / GARMENTS, allow_pickle=False) as file:
                 ids, types, latents = (file[name] for name in ("ids", "types", "latents"))
             found = Garments(tuple(ids.tolist()), tuple(types.tolist()), latents.astype(np.float32))
-        except (OSError, ValueError, KeyError, EOFError) as error:
+        except Exception as error:  # zipfile, zlib and numpy each have their own.
             raise damaged(self.folder / GARMENTS) from error
-        if found.latents.shape != (len(found.ids), self.latent):
+        count = len(found.ids)
+        if (
+            found.latents.shape != (count, self.latent)
+            or len(found.types) != count
+            or not all(isinstance(each, str) for each in (*found.ids, *found.types))
+            or not np.isfinite(found.latents).all()
+            or any(found.types.count(name) < FEWEST for name in set(found.types))
+            or not count
+        ):
             raise damaged(self.folder / GARMENTS)
         return found
 
     @cached_property
     def _encoder(self) -> Any:
-        return open_session(self.folder / ENCODER)
+        sizes = {"channels": [34, self.grid, self.grid], "z": [self.latent]}
+        return open_session(self.folder / ENCODER, sizes)
 
     @cached_property
     def _decoder(self) -> Any:
-        return open_session(self.folder / DECODER)
+        sizes = {"z": [self.latent], "channels": [34, self.grid, self.grid]}
+        return open_session(self.folder / DECODER, sizes)
 
 
 def step_of(
@@ -182,6 +250,19 @@ def step_of(
     except GarmentImageError as error:
         return Step(z, image, repairs, None, (str(error),))
     return Step(z, image, repairs, pattern, tuple(validity(pattern)))
+
+
+def topology_of(pattern: Pattern) -> str:
+    """See `topology_word`; empty where panels or stitches are at fault."""
+    return "" if structure_faults(pattern) else topology_word(stitch_graph(pattern))
+
+
+def is_folder(path: str | Path) -> bool:
+    """Whether it is one; a name that no file can have is none."""
+    try:
+        return Path(path).is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 def space_names() -> tuple[str, ...]:
@@ -236,11 +317,15 @@ def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
     return config
 
 
-def open_session(file: Path) -> Any:
+def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:
     """The network in a file, to be run on one core.
 
+    Args:
+        file: ONNX.
+        sizes: by name, the shape of an example of what it takes, and then of what it gives.
+
     Raises:
-        LearnError: the file cannot be read, or holds none.
+        LearnError: the file cannot be read, or holds no network of these sizes.
     """
     import onnxruntime
 
@@ -248,9 +333,17 @@ def open_session(file: Path) -> Any:
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = 4
     try:
-        return onnxruntime.InferenceSession(
+        session = onnxruntime.InferenceSession(
             file.read_bytes(), options, providers=["CPUExecutionProvider"]
         )
+        found = {each.name: each.shape[1:] for each in session.get_inputs()}
+        found |= {each.name: each.shape[1:] for each in session.get_outputs()}
+        wanted = {name: list(size) for name, size in sizes.items()}
+        if found.keys() != wanted.keys() or session.get_inputs()[0].name != next(iter(wanted)):
+            raise ValueError
+        if any(type(n) is int and n != m for k in wanted for n, m in zip(found[k], wanted[k])):
+            raise ValueError
+        return session
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
     except Exception as error:  # onnxruntime has no base class of its own for its errors.

@@ -10,11 +10,8 @@ from jaxtyping import Float32
 from garmentimage.dataset.recipe import recipe
 from garmentimage.dataset.row import draw, task_of
 from garmentimage.draft.parameters import near
-from garmentimage.errors import LearnError, quoted
-from garmentimage.explore.space import Latent, LatentSpace, Step
-from garmentimage.metrics.stitch_graph import stitch_graph
-from garmentimage.metrics.topology import topology_word
-from garmentimage.metrics.validity import structure_faults
+from garmentimage.errors import LearnError, check_type, quoted
+from garmentimage.explore.space import Latent, LatentSpace, Step, topology_of
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.image import GarmentImage
 
@@ -23,6 +20,8 @@ SETTLE = 2
 """Times that an edited garment is decoded and encoded again; chosen on validation garments."""
 SETTLE_LIMIT = 20
 STEP_LIMITS = (2, 200)
+MOST_GARMENTS = 200
+"""That are drawn at a time."""
 MOST_DRAWS = 20
 """A garment that is rejected so often is given up."""
 
@@ -64,6 +63,7 @@ def interpolate(space: LatentSpace, a: Source, b: Source, steps: int = STEPS) ->
         LearnError: a number of steps out of `STEP_LIMITS`, or a garment that the network does
             not take.
     """
+    check_type(space, LatentSpace, "LatentSpace.load(name) gives one")
     low, high = STEP_LIMITS
     if not low <= steps <= high:
         raise LearnError(f"{steps} steps; give {low} to {high}")
@@ -86,6 +86,8 @@ def transfer(
         LearnError: `settle` out of 0 to `SETTLE_LIMIT`, no strengths, or a garment that the network
             does not take.
     """
+    check_type(space, LatentSpace, "LatentSpace.load(name) gives one")
+    strengths = tuple(strengths)
     if not 0 <= settle <= SETTLE_LIMIT:
         raise LearnError(f"settled {settle} times; give 0 to {SETTLE_LIMIT}")
     if not strengths or not all(0 < each <= MOST_STRENGTH for each in strengths):
@@ -144,8 +146,10 @@ def generate(
     types = tuple(sorted(set(space.garments.types)))
     if type_name is not None and type_name not in types:
         raise LearnError(f"the network knows no type {quoted(type_name)}; {near(type_name, types)}")
-    if count < 1 or seed < 0:
-        raise LearnError(f"{count} garments of seed {seed}; give 1 or more, and a seed from 0")
+    if not 1 <= count <= MOST_GARMENTS or seed < 0:
+        raise LearnError(
+            f"{count} garments of seed {seed}; give 1 to {MOST_GARMENTS}, and a seed from 0"
+        )
     for number in range(count):
         random = np.random.default_rng([seed, number])
         name = type_name or types[int(random.integers(len(types)))]
@@ -180,10 +184,7 @@ def nearest(space: LatentSpace, source: Source, count: int = 5) -> list[tuple[st
 
 
 def _topology(step: Step) -> str:
-    """See `topology_word`; empty where it is no garment."""
-    if step.pattern is None or structure_faults(step.pattern):
-        return ""
-    return topology_word(stitch_graph(step.pattern))
+    return topology_of(step.pattern) if step.pattern is not None else ""
 
 
 def _between(start: Latent, end: Latent, share: float) -> Latent:

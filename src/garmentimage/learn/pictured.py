@@ -10,7 +10,8 @@ import torch
 from jaxtyping import Float32, UInt8
 from torch import Tensor
 
-from garmentimage.dataset.read import rasters, tables
+from garmentimage.dataset.read import facts, rasters, shard_files, tables
+from garmentimage.draft.parameters import near
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path
 from garmentimage.learn.rasters import Rasters, from_channels
@@ -78,6 +79,10 @@ def read_album(folder: str | Path, split: str, *, without: Collection[str] = ())
     pictures: list[np.ndarray] = []
     images: list[np.ndarray] = []
     told: dict[str, list[str]] = {"id": [], "type": [], "pattern": []}
+    known = facts(shard_files(folder, split)[0]).types
+    for name in without:
+        if name not in known:
+            raise DatasetError(f"the dataset has no type {quoted(name)}; {near(name, known)}")
     for table in tables(folder, split, [*told, "raster", PICTURE]):
         kinds = table["type"].to_pylist()
         kept = [k for k, name in enumerate(kinds) if name not in without]

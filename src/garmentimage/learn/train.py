@@ -23,7 +23,7 @@ from garmentimage.files import shown_path, write_atomically
 from garmentimage.provenance import source_commit, versions
 
 RUN_FILE, LOG_FILE, CHECKPOINT, CURVES = "run.json", "log.jsonl", "checkpoint.ckpt", "curves.png"
-MODEL = "model"
+MODEL, BOARD = "model", "tensorboard"
 WARM_UP = 0.02
 """Share of all steps in which the learning rate rises from 0."""
 AVERAGE = 0.999
@@ -89,8 +89,6 @@ def train(
         LearnError: the folder holds another run, the accelerator is not there, or the loss is
             no number any more.
     """
-    wanted = {"settings": asdict(settings), **facts}
-    _prepare(folder, wanted)
     try:
         fabric = Fabric(
             accelerator=settings.accelerator,
@@ -100,6 +98,7 @@ def train(
         )
     except (RuntimeError, ValueError) as error:  # an accelerator that is not there
         raise LearnError(f"cannot train on this machine: {error}") from None
+    _prepare(folder, {"settings": asdict(settings), **facts})
     fabric.launch()
     optimizer = torch.optim.AdamW(
         model.parameters(), settings.rate, weight_decay=settings.decay, betas=(0.9, 0.99)
@@ -109,8 +108,7 @@ def train(
     average.to(fabric.device)
     state = {"model": wrapped, "optimizer": optimizer, "average": average, "epoch": 0, "step": 0}
     if (folder / CHECKPOINT).exists():
-        rest = fabric.load(folder / CHECKPOINT, state, weights_only=True)
-        state |= {key: rest[key] for key in ("epoch", "step") if key in rest}
+        _resume(fabric, folder / CHECKPOINT, state)
     log = _read_log(folder, int(state["epoch"]))
     each = settings.batch * fabric.world_size
     steps = max(len(examples) // each, 1)
@@ -131,7 +129,7 @@ def train(
             losses = wrapped(batch)
             optimizer.zero_grad()
             fabric.backward(losses["loss"])
-            fabric.clip_gradients(wrapped, optimizer, max_norm=1.0)
+            fabric.clip_gradients(wrapped, optimizer, max_norm=1.0, error_if_nonfinite=False)
             optimizer.step()
             _follow(average, model, int(state["step"]))
             state["step"] = int(state["step"]) + 1
@@ -141,7 +139,8 @@ def train(
         line |= {f"held-out {k}": v for k, v in _held_out(average, held_out, settings).items()}
         if not math.isfinite(line["loss"]):
             raise LearnError(
-                f"the loss is no number any more in epoch {epoch}; lower the learning rate"
+                f"the loss is no number any more in epoch {epoch + 1}; choose another folder, and "
+                "a lower learning rate, or look for numbers in the data that are none"
             )
         state["epoch"] = epoch + 1
         line |= {
@@ -150,7 +149,9 @@ def train(
             "samples_a_second": round(steps * each / (time.perf_counter() - began), 1),
         }
         log.append(line)
-        fabric.save(folder / CHECKPOINT, state)
+        fabric.save(folder / f"{CHECKPOINT}.part", state)
+        if fabric.is_global_zero:
+            (folder / f"{CHECKPOINT}.part").replace(folder / CHECKPOINT)
         if board is not None:
             write_atomically(folder / LOG_FILE, "".join(json.dumps(each) + "\n" for each in log))
             for name, value in line.items():
@@ -193,13 +194,38 @@ def _held_out(model: nn.Module, examples: Examples, settings: Settings) -> dict[
     return sums
 
 
+def _resume(fabric: Fabric, file: Path, state: dict[str, Any]) -> None:
+    """Take up what was trained before."""
+    try:
+        rest = fabric.load(file, state, weights_only=True)
+        state |= {key: int(rest[key]) for key in ("epoch", "step") if key in rest}
+    except Exception as error:  # What may go wrong spans three libraries.
+        raise LearnError(
+            f"{shown_path(file)}: is damaged, or of another network; remove the folder and train "
+            "again"
+        ) from error
+
+
 def _prepare(folder: Path, wanted: dict[str, Any]) -> None:
     file = folder / RUN_FILE
     plain = json.loads(json.dumps(wanted))
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        for name, is_right in (
+            (MODEL, Path.is_dir),
+            (BOARD, Path.is_dir),
+            (LOG_FILE, Path.is_file),
+        ):
+            if (folder / name).exists() and not is_right(folder / name):
+                raise LearnError(f"{shown_path(folder / name)}: is in the way; remove it")
+        if (folder / CHECKPOINT).exists() and not file.exists():
+            raise LearnError(
+                f"{shown_path(folder)}: holds a checkpoint of nobody knows what (there is no "
+                f"{RUN_FILE}); choose another folder"
+            )
         if file.exists():
             found = json.loads(file.read_text(encoding="utf-8"))
+            found["commit"]
             if found["run"] != plain:
                 names = [key for key in plain if found["run"].get(key) != plain[key]]
                 raise LearnError(
@@ -221,15 +247,23 @@ def _prepare(folder: Path, wanted: dict[str, Any]) -> None:
 
 def _read_log(folder: Path, epochs: int) -> list[dict[str, float]]:
     file = folder / LOG_FILE
-    if not epochs or not file.exists():
+    if not epochs:
         return []
-    return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()][:epochs]
+    try:
+        lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+        if len(lines) < epochs or not all("held-out loss" in line for line in lines):
+            raise ValueError
+    except (OSError, ValueError, TypeError):
+        raise LearnError(
+            f"{shown_path(file)}: is damaged; remove the folder and train again"
+        ) from None
+    return lines[:epochs]
 
 
 def _board(folder: Path) -> Any:
     from torch.utils.tensorboard import SummaryWriter
 
-    return SummaryWriter(str(folder / "tensorboard"))
+    return SummaryWriter(str(folder / BOARD))
 
 
 def draw_curves(log: list[dict[str, float]], out: Path) -> None:

@@ -17,7 +17,7 @@ from jaxtyping import Float, Float32, UInt8
 
 from garmentimage.draft.parameters import near
 from garmentimage.errors import LearnError, quoted
-from garmentimage.explore.space import damaged, open_session, read_config, step_of
+from garmentimage.explore.space import damaged, is_folder, open_session, read_config, step_of
 from garmentimage.pattern.model import Pattern
 from garmentimage.predict.photo import Box, Photo, framed, read_photo
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, GarmentImage
@@ -84,7 +84,7 @@ class PatternPredictor:
         known = predictor_names()
         if str(name) in known:
             return cls(Path(str(files("garmentimage") / "weights")) / str(name))
-        if Path(name).is_dir():
+        if is_folder(name):
             return cls(name)
         ways = f"{near(str(name), known)}, or " if known else ""
         raise LearnError(f"there is no network {quoted(str(name))}; {ways}name the folder of one")
@@ -126,7 +126,9 @@ class PatternPredictor:
 
     @cached_property
     def _network(self) -> Any:
-        return open_session(self.folder / PREDICTOR)
+        grid = int(self.config["grid"])
+        sizes = {"picture": [3, self.size, self.size], "channels": [34, grid, grid]}
+        return open_session(self.folder / PREDICTOR, sizes)
 
     @cached_property
     def _pictures(self) -> dict[str, np.ndarray]:
