@@ -80,9 +80,9 @@ def _train_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
         )
     told = _told(options, settings, trained.log, len(known.ids))
     what = (
-        "A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its encoder one "
-        f"linear map: front and back of {config.grid} x {config.grid} cells to {config.latent} numbers "
-        "and back."
+        "A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its encoder "
+        f"one linear map: front and back of {config.grid} x {config.grid} cells to "
+        f"{config.latent} numbers and back."
     )
     kept = {key: told[key] for key in ("recipe", "seed of the data")}
     config_facts = {"recipe": kept["recipe"], "seed": kept["seed of the data"]}

@@ -117,10 +117,16 @@ def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
 
 
 def rasters(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row col"]]:
-    """The rasters of some rows, without making a Python object of every number."""
+    """The rasters of some rows, without making a Python object of every number.
+
+    Raises:
+        DatasetError: a row has none, or not all have the same grid.
+    """
     lists = column.combine_chunks()
     if not len(lists):
         return []
+    if lists.null_count:
+        raise DatasetError("a row has no raster; build the dataset again")
     layers = lists.value_lengths().to_numpy(zero_copy_only=False)
     numbers = lists
     for _ in range(4):
@@ -128,6 +134,8 @@ def rasters(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row c
     values = numbers.to_numpy(zero_copy_only=False)
     grid = round((len(values) / layers.sum() / CHANNELS_PER_LAYER) ** 0.5)
     ends = np.cumsum(layers) * CHANNELS_PER_LAYER * grid * grid
+    if ends[-1] != len(values):
+        raise DatasetError("rasters of a dataset have different grids; build it again")
     parts = np.split(values, ends[:-1])
     return [part.reshape(-1, CHANNELS_PER_LAYER, grid, grid) for part in parts]
 

@@ -19,7 +19,8 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 
 from garmentimage.dataset.read import tables
-from garmentimage.errors import DecodeError, LearnError, quoted
+from garmentimage.errors import DatasetError, DecodeError, LearnError, quoted
+from garmentimage.files import shown_path
 from garmentimage.pattern.model import (
     Cubic,
     Edge,
@@ -137,12 +138,23 @@ class Vectors:
 
 
 def read_patterns(folder: str | Path, split: str) -> list[Pattern]:
-    """All patterns of a split."""
-    return [
-        pattern_from_spec(json.loads(text))
+    """All patterns of a split.
+
+    Raises:
+        DatasetError: there is no such split, or a pattern of it is damaged.
+    """
+    texts = [
+        text
         for table in tables(folder, split, ["pattern"])
         for text in table["pattern"].to_pylist()
     ]
+    try:
+        return [pattern_from_spec(json.loads(text)) for text in texts]
+    except (TypeError, ValueError) as error:
+        raise DatasetError(
+            f"{shown_path(folder)}: a pattern of its split {quoted(split)} is damaged ({error}); "
+            "build it again"
+        ) from None
 
 
 def vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:
