@@ -136,9 +136,12 @@ def run_nearest(options: argparse.Namespace) -> Exit:
     results: dict[str | PathLike[str], bytes | str] = {
         options.out / f"{row_id}.json": pattern_text(pattern) for row_id, _, pattern in found
     }
-    titles = [options.garment.stem, *(f"{row_id}\n{apart:.2f} away" for row_id, apart, _ in found)]
+    start = f"{space.config['recipe']}-"
+    told = [f"{row_id.removeprefix(start)}, {apart:.2f} away" for row_id, apart, _ in found]
     assert source.pattern is not None  # `_given` has one
-    figure = compose([source.pattern, *(pattern for *_, pattern in found)], titles=titles)
+    figure = compose(
+        [source.pattern, *(pattern for *_, pattern in found)], titles=[options.garment.stem, *told]
+    )
     results[options.out / "nearest.png"] = picture_bytes(figure, "png")
     _put(options, results)
     if options.json:
