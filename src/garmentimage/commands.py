@@ -45,6 +45,7 @@ from garmentimage.explore_commands import (
 )
 from garmentimage.files import check_output, shown_path, write_atomically
 from garmentimage.learn_commands import run_train, train_arguments
+from garmentimage.predict_commands import predict_arguments, run_predict
 from garmentimage.render_commands import render_arguments, run_render
 from garmentimage.terminal import (
     Exit,
@@ -437,5 +438,6 @@ COMMANDS = (
     Command("transfer", "what C becomes by the edit from A to B", transfer_arguments, run_transfer),
     Command("generate", "draw new garments from a seed", generate_arguments, run_generate),
     Command("nearest", "find the nearest training garments", nearest_arguments, run_nearest),
+    Command("predict", "the pattern of a garment in a picture", predict_arguments, run_predict),
     Command("evaluate", "measure networks on held-out garments", evaluate_arguments, run_evaluate),
 )

@@ -32,6 +32,8 @@ SEEN, AXES = 1000, 48
 """Pictures by which others are judged, and directions in which they may differ."""
 USUAL = 0.99
 """Share of held-out pictures that are no further from the others than is usual."""
+LEAST = 0.01
+"""A picture that is so near to the others is like them, of 1."""
 
 
 class _Encoder(nn.Module):
@@ -157,7 +159,7 @@ def _pictures(known: Album, held_out: Album) -> bytes:
         file,
         middle=middle.astype(np.float16),
         axes=axes.astype(np.float16),
-        usual=np.float32(np.quantile(apart, USUAL)),
+        usual=np.float32(max(np.quantile(apart, USUAL), LEAST)),
     )
     return file.getvalue()
 

@@ -17,11 +17,17 @@ from jaxtyping import Float, Float32, UInt8
 
 from garmentimage.draft.parameters import near
 from garmentimage.errors import LearnError, quoted
-from garmentimage.explore.space import damaged, is_folder, open_session, read_config, step_of
-from garmentimage.pattern.model import Pattern
+from garmentimage.explore.space import (
+    Step,
+    damaged,
+    is_folder,
+    open_session,
+    read_config,
+    step_of,
+)
 from garmentimage.predict.photo import Box, Photo, framed, read_photo
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, GarmentImage
-from garmentimage.raster.repair import RepairLevel, RepairReport
+from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
+from garmentimage.raster.repair import RepairLevel
 
 PREDICTOR, PICTURES = "predictor.onnx", "pictures.npz"
 DEFAULT = "image-wide"
@@ -39,13 +45,8 @@ class Prediction:
     """As the network saw it."""
     channels: Float32[np.ndarray, "34 row col"]
     """Probabilities, and vectors in cm, not repaired."""
-    image: GarmentImage
-    """Repaired."""
-    repairs: RepairReport
-    pattern: Pattern | None
-    """None where no garment can be read from the image."""
-    faults: tuple[str, ...]
-    """Why it cannot be cut and sewn; empty where it can."""
+    step: Step
+    """The garment, repaired, decoded and checked; it has no latent vector."""
     confidence: float
     """From 0 to 1: how sure the network is of flags and edge types; less where the picture is
     unlike those that it was trained on."""
@@ -53,7 +54,7 @@ class Prediction:
     @property
     def is_sure(self) -> bool:
         """Whether there is reason to trust it."""
-        return self.confidence >= SURE and not self.faults
+        return self.confidence >= SURE and not self.step.faults
 
 
 class PatternPredictor:
@@ -106,9 +107,7 @@ class PatternPredictor:
         seen = framed(photo, self.box, self.size)
         channels = self.channels(seen.pixels[None])[0]
         step = step_of(np.zeros(0, np.float32), channels, repair_level)
-        assert step.image is not None and step.repairs is not None  # step_of always gives both
-        sure = certainty(channels) * self.likeness(seen.pixels)
-        return Prediction(seen, channels, step.image, step.repairs, step.pattern, step.faults, sure)
+        return Prediction(seen, channels, step, certainty(channels) * self.likeness(seen.pixels))
 
     def channels(
         self, pixels: UInt8[np.ndarray, "n row col 3"]

@@ -1,0 +1,123 @@
+"""From a picture to a pattern with a network in a folder, without torch."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from garmentimage import load_pattern
+from garmentimage.cli import main
+from garmentimage.dataset.build import DATA, Build, make_shard, plan
+from garmentimage.dataset.recipe import recipe
+from garmentimage.errors import LearnError
+from garmentimage.learn.cascade import Cascade, CascadeConfig
+from garmentimage.learn.export import export_cascade
+from garmentimage.learn.pictured import read_album
+from garmentimage.predict.network import PatternPredictor, certainty
+from garmentimage.predict.photo import Photo, read_photo
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A cascade that knows a few garments by heart, in a folder, and what it learnt from."""
+    folder = tmp_path_factory.mktemp("d2")
+    (folder / DATA).mkdir()
+    for shard in plan(Build(recipe("d2"), folder, 4)):
+        (folder / DATA / shard.name).write_bytes(make_shard(shard))
+    album = read_album(folder, "train")
+    torch.manual_seed(0)
+    model = Cascade(CascadeConfig(channels=(32, 32, 32), noise=0.0))
+    optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
+    for _ in range(120):
+        optimizer.zero_grad()
+        model(album.garments)["loss"].backward()
+        optimizer.step()
+    export_cascade(model, album, album, {"recipe": "d2", "seed": 0}, "#", folder / "model")
+    return folder / "model", album
+
+
+def picture(album, number) -> np.ndarray:
+    upward = album.garments.pictures[number].numpy()
+    return np.ascontiguousarray(upward.transpose(1, 2, 0)[::-1])
+
+
+def test_a_picture_that_it_knows_becomes_its_garment(made, tmp_path):
+    folder, album = made
+    network = PatternPredictor.load(folder)
+    pixels = picture(album, 0)
+    found = network.predict(Photo(pixels, ()))
+    truth = album.garments.inside[0].bool().numpy()
+    assert (found.step.image.inside == truth).mean() > 0.97
+    assert found.confidence > 0.5
+    # The same from a file, twice as large and on a wider sheet.
+    wide = np.full((256, 400, 3), 255, np.uint8)
+    wide[:, 72:328] = pixels.repeat(2, 0).repeat(2, 1)
+    Image.fromarray(wide).save(tmp_path / "wide.png")
+    again = network.predict(read_photo(tmp_path / "wide.png"))
+    assert (again.step.image.inside == truth).mean() > 0.95
+
+
+def test_pictures_of_something_else_have_a_low_confidence(made):
+    folder, album = made
+    network = PatternPredictor.load(folder)
+    known = network.predict(Photo(picture(album, 0), ())).confidence
+    random = np.random.default_rng(0)
+    noise = random.integers(0, 256, (128, 128, 3)).astype(np.uint8)
+    blot = np.full((128, 128, 3), 255, np.uint8)
+    blot[30:100, 10:50] = (30, 160, 60)
+    for other in (noise, blot):
+        found = network.predict(Photo(other, ()))
+        assert found.confidence < 0.5 * known and not found.is_sure
+
+
+def test_predict_writes_all_of_a_garment(made, tmp_path, capsys):
+    folder, album = made
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        Image.fromarray(picture(album, 0)).save(tmp_path / name / "photo.png")
+    paths = [str(tmp_path / name / "photo.png") for name in ("one", "two")]
+    out = tmp_path / "out"
+    words = ["predict", *paths, "-o", str(out), "--network", str(folder)]
+    assert main([*words, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["garments"]
+    assert [each["name"] for each in told] == ["photo", "photo-2"]
+    assert len(load_pattern(out / "photo.json").panels) == told[0]["panels"] > 0
+    for suffix, start in ((".npz", b"PK"), (".png", b"\x89PNG")):
+        assert (out / f"photo-2{suffix}").read_bytes().startswith(start)
+    assert main(words) == 0
+    assert "confidence" in capsys.readouterr().out
+
+
+def test_networks_that_cannot_be_are_told(made, tmp_path):
+    folder, album = made
+    with pytest.raises(LearnError, match="there is no network 'nowhere'"):
+        PatternPredictor.load("nowhere")
+    broken = tmp_path / "model"
+    shutil.copytree(folder, broken)
+    config = json.loads((folder / "config.json").read_text())
+    (broken / "config.json").write_text(json.dumps({**config, "wearer": 3}))
+    with pytest.raises(LearnError, match=r"config\.json: is damaged"):
+        PatternPredictor.load(broken)
+    (broken / "config.json").write_text(json.dumps({**config, "picture": 64}))
+    with pytest.raises(LearnError, match=r"predictor\.onnx: is damaged"):
+        PatternPredictor.load(broken).predict(Photo(picture(album, 0), ()))
+    (broken / "config.json").write_text(json.dumps(config))
+    (broken / "pictures.npz").write_bytes(b"PK")
+    with pytest.raises(LearnError, match=r"pictures\.npz: is damaged"):
+        PatternPredictor.load(broken).predict(Photo(picture(album, 0), ()))
+
+
+def test_certainty_is_of_cells_that_may_be_cloth():
+    sure = np.zeros((34, 16, 16), np.float32)
+    assert certainty(sure) == 0
+    sure[[0, 17], 4:8, 4:8] = 1
+    sure[[1, 5, 18, 22]] = 1
+    assert certainty(sure) == 1
+    unsure = sure.copy()
+    unsure[[0, 17], 4:8, 4:8] = 0.6
+    assert certainty(unsure) < 0.3
