@@ -101,7 +101,11 @@ def _draw(folder: Path, networks: Sequence["Judged"], recipe: str, amounts: "Amo
     from garmentimage.evaluate.figure import edit_picture, way_picture
     from garmentimage.render.png import png_bytes
 
-    codecs = [codec_of(judged) for judged in networks if judged.level in ("full", None)]
+    codecs = {
+        judged.name.removesuffix(", full"): codec_of(judged)
+        for judged in networks
+        if judged.level in ("full", None)
+    }
     a, b, _ = pairs_of(networks[0].data, amounts.pairs)[min(1, amounts.pairs - 1)]
     write_atomically(folder / "way.png", png_bytes(way_picture(codecs, a, b, STEPS)))
     drawn = set()
