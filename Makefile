@@ -38,6 +38,10 @@ picture: $(VENV)/ready
 		-o docs/pattern-raster-pattern.png
 	$(BIN)/garmentimage gallery -o docs/gallery.png
 	$(BIN)/python scripts/draw_worn.py docs/worn.png
+	mkdir -p out && for kind in one-panel-jumpsuit top-pants one-panel-dress; do \
+		$(BIN)/garmentimage draft $$kind -o out/$$kind.json; done
+	$(BIN)/garmentimage transfer out/one-panel-jumpsuit.json out/top-pants.json \
+		out/one-panel-dress.json -o out/edit && cp out/edit/strip.png docs/edit.png
 
 explore: $(VENV)/ready-dev
 	set -e; for each in "topology 5000 40 60" "darts 5000 40 60" "variety 10000 24 30"; do \
