@@ -89,16 +89,7 @@ class LatentSpace:
         Raises:
             LearnError: there is none of that name, and no such folder.
         """
-        shipped = Path(str(files("garmentimage") / "weights"))
-        if str(name) in space_names():
-            return cls(shipped / str(name))
-        if is_folder(name):
-            return cls(name)
-        known = space_names()
-        ways = f"{near(str(name), known)}, or " if known else ""
-        raise LearnError(
-            f"there is no latent space {quoted(str(name))}; {ways}name the folder of one"
-        )
+        return cls(network_folder(name, space_names(), "latent space"))
 
     @property
     def grid(self) -> int:
@@ -257,22 +248,35 @@ def topology_of(pattern: Pattern) -> str:
     return "" if structure_faults(pattern) else topology_word(stitch_graph(pattern))
 
 
-def is_folder(path: str | Path) -> bool:
-    """Whether it is one; a name that no file can have is none."""
-    try:
-        return Path(path).is_dir()
-    except (OSError, ValueError):
-        return False
-
-
 def space_names() -> tuple[str, ...]:
     """Names of the latent spaces that come with the package."""
+    return shipped_names(DECODER)
+
+
+def shipped_names(file: str) -> tuple[str, ...]:
+    """Names of the networks that come with the package and have this file."""
     folder = files("garmentimage") / "weights"
-    return tuple(
-        sorted(each.name for each in folder.iterdir() if (each / DECODER).is_file())
-        if folder.is_dir()
-        else ()
-    )
+    if not folder.is_dir():
+        return ()
+    return tuple(sorted(each.name for each in folder.iterdir() if (each / file).is_file()))
+
+
+def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
+    """Where a network is that comes with the package, by name, or one in a folder.
+
+    Raises:
+        LearnError: there is none of that name, and no such folder.
+    """
+    if str(name) in known:
+        return Path(str(files("garmentimage") / "weights")) / str(name)
+    try:
+        is_folder = Path(name).is_dir()
+    except (OSError, ValueError):  # a name that no file can have
+        is_folder = False
+    if is_folder:
+        return Path(name)
+    ways = f"{near(str(name), known)}, or " if known else ""
+    raise LearnError(f"there is no {what} {quoted(str(name))}; {ways}name the folder of one")
 
 
 def check_contract(config: Mapping[str, Any], where: str | Path) -> None:

@@ -13,8 +13,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from garmentimage.errors import LearnError, quoted
-from garmentimage.learn.garment_vae import FLAGS, TYPES, to_channels
+from garmentimage.learn.garment_vae import FLAGS, TYPES, check_channels, to_channels
 from garmentimage.learn.pictured import Pictured
 from garmentimage.learn.rasters import INPUTS, LAYERS
 from garmentimage.learn.unet import UNet
@@ -40,11 +39,7 @@ class CascadeConfig:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists
-        if self.channels_contract != CHANNEL_CONTRACT:
-            raise LearnError(
-                f"the network was made for channels {quoted(self.channels_contract)}, and this "
-                f"version has {CHANNEL_CONTRACT!r}"
-            )
+        check_channels(self.channels_contract)
 
 
 PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0)

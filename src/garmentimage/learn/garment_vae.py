@@ -43,11 +43,20 @@ class GarmentVAEConfig:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists
-        if self.channels_contract != CHANNEL_CONTRACT:
-            raise LearnError(
-                f"the network was made for channels {quoted(self.channels_contract)}, and this "
-                f"version has {CHANNEL_CONTRACT!r}"
-            )
+        check_channels(self.channels_contract)
+
+
+def check_channels(contract: str) -> None:
+    """Refuse a network that was made for other channels than this version has.
+
+    Raises:
+        LearnError: says so.
+    """
+    if contract != CHANNEL_CONTRACT:
+        raise LearnError(
+            f"the network was made for channels {quoted(contract)}, and this version has "
+            f"{CHANNEL_CONTRACT!r}"
+        )
 
 
 LEVELS: Mapping[int, tuple[int, ...]] = {16: (64, 128, 128), 32: (32, 64, 128, 128)}

@@ -7,7 +7,6 @@ pictures that it was trained on have in common, to tell others from them).
 
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,14 +14,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Float32, UInt8
 
-from garmentimage.draft.parameters import near
-from garmentimage.errors import LearnError, quoted
 from garmentimage.explore.space import (
     Step,
     damaged,
-    is_folder,
+    network_folder,
     open_session,
     read_config,
+    shipped_names,
     step_of,
 )
 from garmentimage.predict.photo import Box, Photo, framed, read_photo
@@ -82,13 +80,7 @@ class PatternPredictor:
         Raises:
             LearnError: there is none of that name, and no such folder.
         """
-        known = predictor_names()
-        if str(name) in known:
-            return cls(Path(str(files("garmentimage") / "weights")) / str(name))
-        if is_folder(name):
-            return cls(name)
-        ways = f"{near(str(name), known)}, or " if known else ""
-        raise LearnError(f"there is no network {quoted(str(name))}; {ways}name the folder of one")
+        return cls(network_folder(name, predictor_names(), "network"))
 
     @property
     def size(self) -> int:
@@ -174,10 +166,5 @@ def distance_from(
 
 
 def predictor_names() -> tuple[str, ...]:
-    """Names of the networks that come with the package."""
-    folder = files("garmentimage") / "weights"
-    return tuple(
-        sorted(each.name for each in folder.iterdir() if (each / PREDICTOR).is_file())
-        if folder.is_dir()
-        else ()
-    )
+    """Names of the cascades that come with the package."""
+    return shipped_names(PREDICTOR)
