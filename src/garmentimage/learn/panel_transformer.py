@@ -6,6 +6,7 @@ slots are fixed by name, as the panels of its datasets are.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from huggingface_hub import PyTorchModelHubMixin
@@ -38,24 +39,29 @@ class PanelTransformer(nn.Module, PyTorchModelHubMixin, library_name="garmentima
         super().__init__()
         self.config = config
         width, cells = config.width, config.picture // PIXELS_A_FEATURE
-        layer = {"batch_first": True, "norm_first": True, "dropout": 0.0, "activation": "gelu"}
+        layer: dict[str, Any] = {
+            "batch_first": True,
+            "norm_first": True,
+            "dropout": 0.0,
+            "activation": "gelu",
+        }
         sizes = (width, config.heads, 4 * width)
         self.see = Seer()
         self.narrow = nn.Conv2d(WIDTHS[-1], width, 1)
         self.places = nn.Parameter(0.1 * torch.randn(cells * cells, width))
         self.encoder = nn.TransformerEncoder(
-            nn.TransformerEncoderLayer(*sizes, **layer),  # type: ignore[arg-type]
+            nn.TransformerEncoderLayer(*sizes, **layer),
             config.encoder_layers,
             enable_nested_tensor=False,
         )
         self.panel_queries = nn.Parameter(torch.randn(config.slots, width))
         self.panels = nn.TransformerDecoder(
-            nn.TransformerDecoderLayer(*sizes, **layer),  # type: ignore[arg-type]
+            nn.TransformerDecoderLayer(*sizes, **layer),
             config.decoder_layers,
         )
         self.edge_queries = nn.Parameter(torch.randn(config.edges, width))
         self.edges = nn.TransformerDecoder(
-            nn.TransformerDecoderLayer(*sizes, **layer),  # type: ignore[arg-type]
+            nn.TransformerDecoderLayer(*sizes, **layer),
             config.decoder_layers,
         )
         self.to_place = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, 7))

@@ -114,19 +114,20 @@ def tag_stitches(
     """
     from scipy.spatial.distance import cdist
 
-    sides = [tuple(int(n) for n in side) for side in np.argwhere(there & (free <= 0.5))]
+    sides = [(int(slot), int(edge)) for slot, edge in np.argwhere(there & (free <= 0.5))]
     if len(sides) < 2:
         return frozenset()
     points = np.array([tags[side] for side in sides])
     apart = cdist(points, points)
     first, second = np.triu_indices(len(sides), 1)
-    left, found = set(range(len(sides))), set()
+    left = set(range(len(sides)))
+    found: set[Stitch] = set()
     for k in np.argsort(apart[first, second], kind="stable"):
         i, j = int(first[k]), int(second[k])
         if i in left and j in left:
             left -= {i, j}
             found.add(frozenset((sides[i], sides[j])))
-    return frozenset(found)  # type: ignore[arg-type]
+    return frozenset(found)
 
 
 def published_figures(
