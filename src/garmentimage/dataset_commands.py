@@ -26,6 +26,9 @@ def build_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--count", type=whole_number, metavar="N", help=f"rows of each type (as preset {PRESET})"
     )
+    parser.add_argument(
+        "--unseen", type=whole_number, metavar="N", help="of each type for test only (the same)"
+    )
     parser.add_argument("--preset", help=f"{PRESET} (default), or paper: as many as there")
     parser.add_argument("--seed", type=whole_number, default=0, metavar="N")
     parser.add_argument("--grid", type=whole_number, default=16, metavar="N", help="cells a side")
@@ -60,7 +63,7 @@ def run_build(options: argparse.Namespace) -> Exit:
     from garmentimage.dataset.build import Build, build, plan
 
     count = chosen.presets[preset] if options.count is None else options.count
-    what = Build(chosen, options.out, count, options.seed, options.grid)
+    what = Build(chosen, options.out, count, options.seed, options.grid, options.unseen)
     rows = sum(len(shard.places) for shard in plan(what))
     with tqdm(total=rows, unit="row", disable=None, file=sys.stderr, smoothing=0.05) as bar:
 
@@ -86,8 +89,14 @@ def run_build(options: argparse.Namespace) -> Exit:
 
 def _command(what: "Build") -> str:
     """The command that makes the same rows again."""
-    options = {"--count": what.count, "--seed": what.seed, "--grid": what.grid, "-o": what.folder}
-    words = (str(word) for option in options.items() for word in option)
+    options = {
+        "--count": what.count,
+        "--unseen": what.unseen,
+        "--seed": what.seed,
+        "--grid": what.grid,
+        "-o": what.folder,
+    }
+    words = (str(w) for name, value in options.items() if value is not None for w in (name, value))
     return shlex.join(["garmentimage", "build", what.recipe.name, *words])
 
 

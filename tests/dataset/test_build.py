@@ -54,6 +54,26 @@ def test_a_plan_holds_every_row_once_in_its_split():
     assert rows == {"train": 2700, "validation": 150, "test": 150, "unseen": 1000}
 
 
+def test_types_for_test_only_may_have_fewer_rows():
+    many, few = (Build(recipe("d2"), Path("x"), 1000, unseen=n) for n in (None, 40))
+    shards = plan(few)
+    rows = Counter(task.split for shard in shards for task in shard.tasks)
+    assert rows == {"train": 2700, "validation": 150, "test": 150, "unseen": 40}
+    seen = [shard.identity() for shard in shards if not shard.name.startswith("unseen")]
+    assert seen == [s.identity() for s in plan(many) if not s.name.startswith("unseen")]
+    with pytest.raises(DatasetError, match="0 rows a type"):
+        plan(Build(recipe("d2"), Path("x"), 1000, unseen=0))
+
+
+def test_a_folder_with_fewer_unseen_rows_is_another_dataset(tmp_path):
+    folder = tmp_path / "set"
+    folder.mkdir()
+    what = Build(SMALL, folder, 20, unseen=1)
+    (folder / "build.json").write_text(json.dumps(what.identity()))
+    with pytest.raises(DatasetError, match="dataset of unseen '1', not None"):
+        build(Build(SMALL, folder, 20))
+
+
 def test_a_shard_has_the_same_bytes_every_time_and_tells_what_failed():
     (shard,) = [s for s in plan(small("x", 20)) if s.name.startswith("validation")]
     assert make_shard(shard) == make_shard(shard)

@@ -31,6 +31,7 @@ from garmentimage.files import shown_path, write_atomically
 
 SHARD_ROWS = 100
 PLAN_FILE, SUMMARY_FILE, CARD_FILE = "build.json", "summary.json", "README.md"
+UNSEEN = "unseen"
 DATA = "data"
 """Folder of the shards."""
 REMOVE = "remove it and build again"
@@ -46,6 +47,12 @@ class Build:
     """Rows of each type."""
     seed: int = 0
     grid: int = 16
+    unseen: int | None = None
+    """Rows of each type that is for test only; `count` where this is None."""
+
+    def rows_of(self, split: str) -> int:
+        """Rows of each type in a split, with those of its other splits."""
+        return self.unseen if split == "unseen" and self.unseen is not None else self.count
 
     def identity(self) -> dict[str, Any]:
         """What tells one dataset from another."""
@@ -57,6 +64,7 @@ class Build:
             "seed": self.seed,
             "grid": self.grid,
             "shard_rows": SHARD_ROWS,
+            **({} if self.unseen is None else {UNSEEN: self.unseen}),
         }
 
 
@@ -103,14 +111,15 @@ def plan(build: Build) -> tuple[Shard, ...]:
         DatasetError: a number that will not do.
     """
     types = build.recipe.types
-    if not 1 <= build.count <= MOST_ROWS // len(types):
-        raise DatasetError(
-            f"{build.count} rows a type; give 1 to {MOST_ROWS // len(types)} with this recipe"
-        )
+    for count in (build.count, build.rows_of("unseen")):
+        if not 1 <= count <= MOST_ROWS // len(types):
+            raise DatasetError(
+                f"{count} rows a type; give 1 to {MOST_ROWS // len(types)} with this recipe"
+            )
     shards = []
     for split in SPLITS:
         block = _block(build.recipe, split)
-        whole, rest = divmod(build.count, PERIOD)
+        whole, rest = divmod(build.rows_of(split), PERIOD)
         rows = whole * len(block) + sum(index < rest for index, _ in block)
         parts = [range(k, min(k + SHARD_ROWS, rows)) for k in range(0, rows, SHARD_ROWS)]
         shards += [
@@ -222,11 +231,12 @@ def _check_plan(file: Path, wanted: dict[str, Any]) -> None:
             raise ValueError
     except (ValueError, RecursionError):
         raise DatasetError(f"{shown_path(file)}: is damaged; choose another folder") from None
-    for key, value in wanted.items():
-        if repr(found[key]) != repr(value):
+    for key in (*wanted, UNSEEN):
+        value = wanted.get(key)
+        if repr(found.get(key)) != repr(value):
             raise DatasetError(
                 f"{shown_path(file.parent)}: holds a dataset of {key} "
-                f"{quoted(str(found[key]))}, not {value!r}; choose another folder"
+                f"{quoted(str(found.get(key)))}, not {value!r}; choose another folder"
             )
 
 
@@ -272,7 +282,7 @@ def _summary(what: Build, done: list[Done]) -> dict[str, Any]:
     for each in done:
         rows[each.name.split("-")[0]] += each.rows
     failed = [row for each in done for row in each.failed]
-    asked = what.count * len(what.recipe.types)
+    asked = sum(len(shard.places) for shard in plan(what))
     return {
         **what.identity(),
         "rows": sum(rows.values()),

@@ -50,7 +50,7 @@ configs:
 
 {recipe.doc}
 
-{summary["rows"]:,} rows of {summary["count"] * len(recipe.types):,} drawn: \
+{summary["rows"]:,} rows of {summary["rows"] + sum(summary["failed"].values()):,} drawn: \
 {", ".join(f"{n:,} {split}" for split, n in summary["splits"].items())}.
 
 | column | what it holds |
