@@ -32,6 +32,7 @@ from garmentimage.evaluate.garment import (
 from garmentimage.explore.space import DECODER, ENCODER, LatentSpace, Step
 from garmentimage.explore.walk import edit
 from garmentimage.files import shown_path, write_atomically
+from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.repair import RepairLevel
@@ -39,8 +40,6 @@ from garmentimage.raster.repair import RepairLevel
 STEPS = 9
 SEED = 20
 TIME_LIMIT_S = 300.0
-RESAMPLES = 2000
-"""Of the bootstrap."""
 RUN_FILE = "run.json"
 STAGES = ("reconstruction", "interpolation", "edits")
 
@@ -388,9 +387,9 @@ def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         if "becomes" in rows[0]:
             told[f"{group}becomes"] = dict(Counter(row["becomes"] for row in rows).most_common())
         for name, values in _values(stage, rows):
-            known = np.array([v for v in values if v is not None], float)
-            if len(known):
-                told[f"{group}{name}"] = _interval(known)
+            known = [v for v in values if v is not None]
+            if known:
+                told[f"{group}{name}"] = asdict(interval(known))
     return told
 
 
@@ -423,14 +422,6 @@ def _values(
     }
     for name in names[stage]:
         yield name, [row[name] for row in rows]
-
-
-def _interval(values: np.ndarray) -> dict[str, float]:
-    random = np.random.default_rng(0)
-    means = random.choice(values, (RESAMPLES, len(values))).mean(1)
-    low, high = np.percentile(means, [2.5, 97.5])
-    return {"mean": round(float(values.mean()), 4), "low": round(float(low), 4),
-            "high": round(float(high), 4), "n": len(values)}  # fmt: skip
 
 
 def facts(networks: Sequence[Judged], amounts: Amounts) -> dict[str, Any]:

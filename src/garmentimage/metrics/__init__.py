@@ -1,5 +1,7 @@
 """How alike two patterns are, whether one can be sewn, and how well round trips go. No torch."""
 
+from garmentimage.metrics.intervals import Interval, interval
+from garmentimage.metrics.likeness import Likeness, Scores, likeness, likeness_summary
 from garmentimage.metrics.matching import (
     Matching,
     PanelPair,
@@ -44,20 +46,26 @@ from garmentimage.metrics.validity import validity
 __all__ = [
     "FileReport",
     "GraphMatch",
+    "Interval",
     "KindSummary",
+    "Likeness",
     "Matching",
     "PanelPair",
     "RoundtripResult",
+    "Scores",
     "SeamSide",
     "Slots",
     "StitchGraph",
     "Trip",
     "boundary_distance",
     "boundary_gap",
+    "interval",
     "iou_matrix",
     "judge",
     "kind_of",
     "lengths_agree",
+    "likeness",
+    "likeness_summary",
     "match_graphs",
     "match_panels",
     "matching_from",

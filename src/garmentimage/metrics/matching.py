@@ -216,14 +216,26 @@ def boundary_distance(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
     the best start of `b` are taken, to a share 1 / (`BOUNDARY_POINTS` x `STARTS_BETWEEN`) of its
     length.
     """
-    ours = _boundary_points(a, BOUNDARY_POINTS)
-    theirs = _boundary_points(b, BOUNDARY_POINTS * STARTS_BETWEEN)
+    ours, theirs = _boundaries(a, b)
+    ours, theirs = ours - ours.mean(axis=0), theirs - theirs.mean(axis=0)
     poses = POSES if any_pose else POSES[:1]
     return min(
-        _best_start(ours, order)
+        _best_start(ours, order)[0]
         for pose in poses
         for order in (theirs @ pose.T, theirs[::-1] @ pose.T)
     )
+
+
+def aligned_points(a: Panel, b: Panel) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n 2"]]:
+    """Points at equal shares of both outlines, from where `boundary_distance` takes them [cm]."""
+    ours, theirs = _boundaries(a, b)
+    centred = ours - ours.mean(axis=0)
+    ways = [
+        (*_best_start(centred, order - order.mean(axis=0)), order)
+        for order in (theirs, theirs[::-1])
+    ]
+    _, start, order = min(ways, key=lambda way: way[0])
+    return ours, order[(start + np.arange(len(ours)) * STARTS_BETWEEN) % len(order)]
 
 
 def boundary_gap(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
@@ -241,16 +253,22 @@ def boundary_gap(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
     )
 
 
-def _boundary_points(panel: Panel, count: int) -> Float[np.ndarray, "n 2"]:
-    """Points evenly along the outline, seen from their mean [cm]."""
-    polygon = loop_polygon(panel.outline)
-    closed = np.concatenate([polygon, polygon[:1]])
-    points = resample(closed, np.arange(count) / count)
-    return points - points.mean(axis=0)
+def _boundaries(a: Panel, b: Panel) -> tuple[np.ndarray, np.ndarray]:
+    """Points evenly along two outlines, those of the second one finer [cm]."""
+    counts = BOUNDARY_POINTS, BOUNDARY_POINTS * STARTS_BETWEEN
+    polygons = [loop_polygon(panel.outline) for panel in (a, b)]
+    ours, theirs = (
+        resample(np.concatenate([polygon, polygon[:1]]), np.arange(count) / count)
+        for polygon, count in zip(polygons, counts)
+    )
+    return ours, theirs
 
 
-def _best_start(ours: np.ndarray, theirs: np.ndarray) -> float:
-    """Least mean distance over all starts of the finer `theirs`: coarse search, then fine."""
+def _best_start(ours: np.ndarray, theirs: np.ndarray) -> tuple[float, int]:
+    """Least mean distance over all starts of the finer `theirs`, and that start.
+
+    Coarse search, then fine.
+    """
     count = len(ours)
     index = np.arange(count)
     coarse = theirs[::STARTS_BETWEEN]
@@ -259,7 +277,8 @@ def _best_start(ours: np.ndarray, theirs: np.ndarray) -> float:
     middle = int(means.argmin()) * STARTS_BETWEEN
     starts = middle + np.arange(1 - STARTS_BETWEEN, STARTS_BETWEEN)
     moved = theirs[(starts[:, None] + index[None] * STARTS_BETWEEN) % len(theirs)]
-    return float(np.hypot(*(moved - ours).transpose(2, 0, 1)).mean(axis=1).min())
+    apart = np.hypot(*(moved - ours).transpose(2, 0, 1)).mean(axis=1)
+    return float(apart.min()), int(starts[apart.argmin()])
 
 
 def _nearness(a: Sequence[Panel], b: Sequence[Panel]) -> Float[np.ndarray, "a b"]:
