@@ -3,8 +3,20 @@ import os
 # Every process of the tests has a core; more threads than cores only wait for each other.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+import pytest
 from hypothesis import settings
 
 # Deadlines measure the machine, not the code; the same examples on every run make failures repeat.
 settings.register_profile("garmentimage", deadline=None, derandomize=True)
 settings.load_profile("garmentimage")
+
+
+@pytest.fixture(scope="session")
+def pictured(tmp_path_factory):
+    """A small dataset of `d2`: pictures and patterns, some of a type not seen in training."""
+    from garmentimage.dataset.build import Build, build
+    from garmentimage.dataset.recipe import recipe
+
+    folder = tmp_path_factory.mktemp("d2")
+    build(Build(recipe("d2"), folder, 20, unseen=4), workers=1)
+    return folder

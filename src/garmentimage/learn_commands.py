@@ -3,8 +3,9 @@
 import argparse
 import json
 import os
+import shlex
 import sys
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +16,18 @@ from garmentimage.terminal import Exit, list_facts, print_json, whole_number
 if TYPE_CHECKING:
     from garmentimage.learn.train import Settings
 
-NETWORKS = ("vae", "vector-vae", "cascade")
+BASELINES = ("panel-transformer", "panel-recurrent", "panel-pool")
+NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES)
+DEPARTURES, EVERYTHING = ("losses", "noise", "weights"), "all"
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
-OF_CASCADE = ("without", "as_paper")
+ONLY_OF = {
+    "beta": ("vae", "vector-vae"),
+    "without": ("cascade", *BASELINES),
+    "as_paper": ("cascade",),
+    "resnet": BASELINES,
+}
+"""Options that not all networks have."""
 MOST_SEED, MOST_BETA = 2**31 - 1, 1000.0
 PRECISIONS = ("32-true", "bf16-mixed", "16-mixed")
 
@@ -38,10 +47,17 @@ def train_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--beta", type=float, metavar="X", help="weight of the prior")
     parser.add_argument("--seed", type=whole_number, metavar="N")
     parser.add_argument(
-        "--without", action="append", default=[], metavar="TYPE", help="cascade: leave a type out"
+        "--without", action="append", default=[], metavar="TYPE", help="leave a type out"
     )
     parser.add_argument(
-        "--as-paper", action="store_true", help="cascade: losses of the paper, nothing of ours"
+        "--as-paper",
+        action="append",
+        default=[],
+        metavar="PART",
+        help=f"cascade: {', '.join(DEPARTURES)} or {EVERYTHING}, as in the paper",
+    )
+    parser.add_argument(
+        "--resnet", type=Path, metavar="FOLDER", help="baselines: ResNet that sees, pretrained"
     )
     parser.add_argument("--accelerator", metavar="KIND", help=", ".join(ACCELERATORS))
     parser.add_argument("--devices", type=whole_number, metavar="N", help="on each node (1)")
@@ -55,113 +71,34 @@ def run_train(options: argparse.Namespace) -> Exit:
         raise LearnError(f"there is no network {options.network!r}; choose {' or '.join(NETWORKS)}")
     _need_extra()
     settings = _settings(options)
-    trainers = {"vae": _train_vae, "vector-vae": _train_vector_vae, "cascade": _train_cascade}
-    return trainers[options.network](options, settings)
-
-
-def _train_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
     import torch
 
     from garmentimage.learn.card import card
-    from garmentimage.learn.export import export
-    from garmentimage.learn.garment_vae import GarmentVAE, default_config
-    from garmentimage.learn.rasters import read_rasters
+    from garmentimage.learn.lessons import Wanted, lesson
     from garmentimage.learn.train import MODEL, train
 
-    known, held_out = (read_rasters(options.data, split) for split in ("train", "validation"))
-    beta = {} if options.beta is None else {"beta": options.beta}
-    config = default_config(known.rasters.grid, **beta)
-    torch.manual_seed(settings.seed)
-    model = GarmentVAE(config).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    facts = {"network": "vae", "config": asdict(config), **_data_facts(options.data)}
-    with _Bar(settings.epochs) as bar:
-        trained = train(
-            model, known.rasters, held_out.rasters, options.out, settings, facts, bar.line
-        )
-    told = _told(options, settings, trained.log, len(known.ids))
-    what = (
-        "A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its encoder "
-        f"one linear map: front and back of {config.grid} x {config.grid} cells to "
-        f"{config.latent} numbers and back."
+    parts = tuple(DEPARTURES) if EVERYTHING in options.as_paper else tuple(options.as_paper)
+    what = lesson(
+        options.network,
+        Wanted(options.data, options.beta, tuple(options.without), parts, options.resnet),
     )
-    kept = {key: told[key] for key in ("recipe", "seed of the data")}
-    config_facts = {"recipe": kept["recipe"], "seed": kept["seed of the data"]}
-    text = card(f"GarmentImage VAE, {told['recipe']}", what, told, trained.log[-1])
-    export(trained.model, known, config_facts, text, options.out / MODEL)  # type: ignore[arg-type]
-    return _say(options, told, trained.log[-1])
-
-
-def _train_vector_vae(options: argparse.Namespace, settings: "Settings") -> Exit:
-    import torch
-
-    from garmentimage.learn.card import card
-    from garmentimage.learn.train import MODEL, train
-    from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
-    from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
-
-    known, held_out = (read_patterns(options.data, split) for split in ("train", "validation"))
-    words = vocabulary(known)
-    beta = {} if options.beta is None else {"beta": options.beta}
-    config = VectorVAEConfig(len(words.panels), words.vertices, **beta)
     torch.manual_seed(settings.seed)
-    model = VectorVAE(config)
-    facts = {"network": "vector-vae", "config": asdict(config), **_data_facts(options.data)}
+    facts = {"network": options.network, "config": asdict(what.config), **what.facts}
     with _Bar(settings.epochs) as bar:
         trained = train(
-            model,
-            vectors(known, words),
-            vectors(held_out, words),
+            what.make(),
+            what.known,
+            what.held_out,
             options.out,
             settings,
-            facts,
+            {**facts, **_data_facts(options.data)},
             bar.line,
         )
-    told = _told(options, settings, trained.log, len(known))
-    what = "The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors."
-    text = card(f"Vector VAE, {told['recipe']}", what, told, trained.log[-1])
-    folder = options.out / MODEL
-    trained.model.save_pretrained(folder)  # type: ignore[operator]
-    (folder / "README.md").write_text(text, encoding="utf-8")
+    told = _told(options, settings, trained.log, len(what.known))
+    of_data = {"recipe": told["recipe"], "seed": told["seed of the data"]}
+    text = card(f"{what.title}, {told['recipe']}", what.what, told, trained.log[-1])
+    what.keep(trained.model, of_data, text, options.out / MODEL)
     return _say(options, told, trained.log[-1])
-
-
-def _train_cascade(options: argparse.Namespace, settings: "Settings") -> Exit:
-    import torch
-
-    from garmentimage.learn.card import card
-    from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig
-    from garmentimage.learn.export import export_cascade
-    from garmentimage.learn.pictured import read_album
-    from garmentimage.learn.train import MODEL, train
-
-    known, held_out = (
-        read_album(options.data, split, without=options.without)
-        for split in ("train", "validation")
-    )
-    plain = PAPER if options.as_paper else CascadeConfig()
-    grid, picture = known.garments.inside.shape[-1], known.garments.pictures.shape[-1]
-    config = replace(plain, grid=grid, picture=picture)
-    torch.manual_seed(settings.seed)
-    model = Cascade(config).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    facts = {"network": "cascade", "config": asdict(config), **_data_facts(options.data)}
-    facts["without"] = sorted(options.without)
-    with _Bar(settings.epochs) as bar:
-        trained = train(
-            model, known.garments, held_out.garments, options.out, settings, facts, bar.line
-        )
-    told = _told(options, settings, trained.log, len(known.ids))
-    what = (
-        "Three U-Nets that turn the picture of a worn garment into a GarmentImage, as in Section "
-        f"4.3 of the paper: {picture} x {picture} pixels to front and back of {grid} x {grid} "
-        "cells."
-    )
-    text = card(f"Picture to GarmentImage, {told['recipe']}", what, told, trained.log[-1])
-    facts = {"recipe": told["recipe"], "seed": told["seed of the data"]}
-    export_cascade(trained.model, known, held_out, facts, text, options.out / MODEL)  # type: ignore[arg-type]
-    return _say(options, told, trained.log[-1])
-
-
-# --- what they share -----------------------------------------------------------------------------
 
 
 class _Bar:
@@ -208,11 +145,14 @@ def _settings(options: argparse.Namespace) -> "Settings":
         raise LearnError(f"--seed is {settings.seed}; give 0 to {MOST_SEED}")
     if options.beta is not None and not 0 <= options.beta <= MOST_BETA:
         raise LearnError(f"--beta is {options.beta}; give 0 to {MOST_BETA:g}")
-    for name in OF_CASCADE:
-        if getattr(options, name) and options.network != "cascade":
-            raise LearnError(f"--{name.replace('_', '-')} is of the network cascade only")
-    if options.beta is not None and options.network == "cascade":
-        raise LearnError("--beta is of the networks vae and vector-vae only")
+    for name, networks in ONLY_OF.items():
+        if getattr(options, name) not in (None, []) and options.network not in networks:
+            raise LearnError(f"--{name.replace('_', '-')} is for {', '.join(networks)} only")
+    for part in options.as_paper:
+        if part not in (*DEPARTURES, EVERYTHING):
+            raise LearnError(
+                f"--as-paper is {quoted(part)}; choose {', '.join(DEPARTURES)} or {EVERYTHING}"
+            )
     return settings
 
 
@@ -250,8 +190,14 @@ def _told(
 
 def _command(options: argparse.Namespace) -> str:
     """What trains the same network again."""
-    given = {name: getattr(options, name) for name in (*OF_SETTINGS, "beta")}
-    words = [f"--{name} {value}" for name, value in given.items() if value is not None]
+    names = (*OF_SETTINGS, "beta", "resnet")
+    given = [(name, getattr(options, name)) for name in names]
+    given += [(n, each) for n in ("without", "as_paper") for each in getattr(options, n)]
+    words = [
+        shlex.join([f"--{name.replace('_', '-')}", str(value)])
+        for name, value in given
+        if value is not None
+    ]
     start = f"garmentimage train {options.network} --data {options.data}"
     return " ".join([start, *words, "-o", str(options.out)])
 

@@ -9,10 +9,10 @@ import torch
 from garmentimage.draft.kinds import draft
 from garmentimage.errors import DecodeError
 from garmentimage.evaluate.garment import panel_overlap, same_graph
-from garmentimage.learn.panel_recurrent import PanelRecurrent, PanelRecurrentConfig
-from garmentimage.learn.panel_transformer import PanelTransformer, PanelTransformerConfig
+from garmentimage.learn.slot_networks import SLOT_NETWORKS
 from garmentimage.learn.slot_vectors import (
     PicturedSlots,
+    SlotConfig,
     SlotOutputs,
     pattern_from,
     slot_losses,
@@ -56,22 +56,12 @@ def test_slots_without_a_panel_are_no_garment():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("network", "config"),
-    [
-        (
-            PanelTransformer,
-            PanelTransformerConfig(
-                len(WORDS.names), WORDS.edges, width=64, encoder_layers=1, decoder_layers=1
-            ),
-        ),
-        (PanelRecurrent, PanelRecurrentConfig(len(WORDS.names), WORDS.edges, width=96)),
-    ],
-    ids=["transformer", "recurrent"],
-)
-def test_a_baseline_learns_a_few_garments_by_heart(network, config):
+@pytest.mark.parametrize("name", SLOT_NETWORKS)
+def test_a_baseline_learns_a_few_garments_by_heart(name):
     torch.manual_seed(0)
-    made = network(config)
+    kind = SLOT_NETWORKS[name]
+    layers = min(kind.layers, 2)
+    made = kind.network(SlotConfig(WORDS.names, WORDS.edges, 96, layers))
     pictures = torch.randint(0, 256, (len(GARMENTS), 3, 128, 128), dtype=torch.uint8)
     batch = PicturedSlots(pictures, slot_vectors(GARMENTS, WORDS))
     optimizer = torch.optim.AdamW(made.parameters(), 1e-3)
@@ -84,3 +74,12 @@ def test_a_baseline_learns_a_few_garments_by_heart(network, config):
         optimizer.step()
     assert losses["loss"].item() < 0.5 * first
     assert losses["rotations"].item() < 0.05 and losses["translations"].item() < 0.05
+
+
+def test_a_pool_leaves_out_the_panels_that_it_does_not_see():
+    pool = SLOT_NETWORKS["panel-pool"].network(SlotConfig(WORDS.names, WORDS.edges, 32, 1))
+    with torch.no_grad():
+        pool.to_there.weight.zero_()
+        pool.to_there.bias[:] = torch.arange(len(WORDS.names)) - 1.5
+        found = pool.predict(torch.rand(3, 3, 128, 128))
+    assert not found.edges[:, :2].any() and found.edges[:, 2:].any((2, 3)).all()

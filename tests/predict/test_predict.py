@@ -10,12 +10,10 @@ from PIL import Image
 
 from garmentimage import load_pattern
 from garmentimage.cli import main
-from garmentimage.dataset.build import DATA, Build, make_shard, plan
-from garmentimage.dataset.recipe import recipe
 from garmentimage.errors import LearnError
 from garmentimage.learn.cascade import Cascade, CascadeConfig
 from garmentimage.learn.export import export_cascade
-from garmentimage.learn.pictured import read_album
+from garmentimage.learn.pictured import Album, read_album
 from garmentimage.predict.network import PatternPredictor, certainty
 from garmentimage.predict.photo import Photo, read_photo
 
@@ -23,13 +21,10 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def made(pictured, tmp_path_factory):
     """A cascade that knows a few garments by heart, in a folder, and what it learnt from."""
-    folder = tmp_path_factory.mktemp("d2")
-    (folder / DATA).mkdir()
-    for shard in plan(Build(recipe("d2"), folder, 4)):
-        (folder / DATA / shard.name).write_bytes(make_shard(shard))
-    album = read_album(folder, "train")
+    folder = tmp_path_factory.mktemp("cascade")
+    album = first_of(read_album(pictured, "train"), 12)
     torch.manual_seed(0)
     model = Cascade(CascadeConfig(channels=(32, 32, 32), noise=0.0))
     optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
@@ -39,6 +34,15 @@ def made(tmp_path_factory):
         optimizer.step()
     export_cascade(model, album, album, {"recipe": "d2", "seed": 0}, "#", folder / "model")
     return folder / "model", album
+
+
+def first_of(album: Album, count: int) -> Album:
+    return Album(
+        album.garments.batch(torch.arange(count)),
+        album.ids[:count],
+        album.types[:count],
+        album.patterns[:count],
+    )
 
 
 def picture(album, number) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Reading built datasets: shards of a split, rows by number, rasters as arrays."""
 
+import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from garmentimage.dataset.recipe import SPLITS
 from garmentimage.dataset.shard import ShardFacts, shard_facts
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path
+from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.spec import pattern_from_spec
 from garmentimage.raster.image import CHANNELS_PER_LAYER
 
 
@@ -138,6 +141,20 @@ def rasters(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row c
         raise DatasetError("rasters of a dataset have different grids; build it again")
     parts = np.split(values, ends[:-1])
     return [part.reshape(-1, CHANNELS_PER_LAYER, grid, grid) for part in parts]
+
+
+def patterns_of(texts: Sequence[str], folder: str | Path) -> list[Pattern]:
+    """Patterns of rows, from their JSON.
+
+    Raises:
+        DatasetError: one is damaged; says of which dataset.
+    """
+    try:
+        return [pattern_from_spec(json.loads(text)) for text in texts]
+    except (TypeError, ValueError) as error:
+        raise DatasetError(
+            f"{shown_path(folder)}: a pattern is damaged ({error}); build it again"
+        ) from None
 
 
 def _read(file: Path, what: Any, columns: Sequence[str] | None = None) -> Any:

@@ -43,6 +43,8 @@ class CascadeConfig:
 
 
 PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0)
+DEPARTURES = {"losses": ("squares",), "noise": ("noise",), "weights": ("boundary_weight",)}
+"""What of ours may be left out, and the settings that are then as in the paper."""
 
 
 class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):

@@ -5,43 +5,43 @@ and another unrolls each of these into the edges of its panel. As where the Garm
 compares with it, pictures are encoded, not point clouds. Tags of stitches come with the edges.
 """
 
-from dataclasses import dataclass
-
 from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from garmentimage.learn.panel_transformer import PIXELS_A_FEATURE, outputs
-from garmentimage.learn.seer import WIDTHS, Seer
-from garmentimage.learn.slot_vectors import ROW, TAGS, PicturedSlots, SlotOutputs, slot_losses
+from garmentimage.learn.seer import seer
+from garmentimage.learn.slot_vectors import (
+    NUMBERS_A_PLACE,
+    NUMBERS_AN_EDGE,
+    PicturedSlots,
+    SlotConfig,
+    SlotOutputs,
+    outputs,
+    slot_losses,
+)
 
-
-@dataclass(frozen=True)
-class PanelRecurrentConfig:
-    """Size of the network."""
-
-    slots: int
-    edges: int
-    picture: int = 128
-    width: int = 192
-    layers: int = 2
+NARROW = 32
+"""Channels of the picture's places that become one vector."""
 
 
 class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
     """Pictures to patterns in slots."""
 
-    def __init__(self, config: PanelRecurrentConfig) -> None:
+    def __init__(self, config: SlotConfig) -> None:
         super().__init__()
         self.config = config
-        width, cells = config.width, config.picture // PIXELS_A_FEATURE
-        self.see = Seer()
+        width = config.width
+        self.see = seer(config.resnet)
+        cells = config.picture // self.see.pixels
         self.whole = nn.Sequential(
-            nn.Conv2d(WIDTHS[-1], 32, 1), nn.Flatten(), nn.Linear(32 * cells * cells, width)
+            nn.Conv2d(self.see.width, NARROW, 1),
+            nn.Flatten(),
+            nn.Linear(NARROW * cells * cells, width),
         )
         self.panels = nn.LSTM(width, width, config.layers, batch_first=True)
         self.edges = nn.LSTM(width, width, config.layers, batch_first=True)
-        self.to_place = nn.Linear(width, 7)
-        self.to_edge = nn.Linear(width, ROW + TAGS + 1)
+        self.to_place = nn.Linear(width, NUMBERS_A_PLACE)
+        self.to_edge = nn.Linear(width, NUMBERS_AN_EDGE)
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
@@ -51,7 +51,7 @@ class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage
         """Patterns of pictures."""
         config = self.config
         whole = self.whole(self.see(seen))
-        panels, _ = self.panels(whole[:, None].expand(-1, config.slots, -1))
+        panels, _ = self.panels(whole[:, None].expand(-1, len(config.names), -1))
         each = panels.flatten(0, 1)[:, None].expand(-1, config.edges, -1)
         edges, _ = self.edges(each)
         return outputs(self.to_place(panels), self.to_edge(edges).unflatten(0, panels.shape[:2]))

@@ -9,6 +9,7 @@ Those codes have one control point; sleeve caps drafted here would lose up to 6 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import torch
@@ -17,6 +18,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from garmentimage.errors import DecodeError, LearnError, quoted
+from garmentimage.learn.pictured import Album
 from garmentimage.metrics.published import (
     LEAST_EDGES,
     PADDING_ATOL,
@@ -45,6 +47,10 @@ STRAIGHTEST = 0.02
 PLACE_CM, CENTRE = 50.0, np.array([0.0, 100.0, 0.0])
 """Unit of translations and tags, and from where they are measured [cm]."""
 ROW, TAGS = 6, 3
+NUMBERS_AN_EDGE = ROW + TAGS + 1
+"""Its row, its tag, and whether it is free."""
+NUMBERS_A_PLACE = 4 + 3
+"""Rotation and translation of a panel."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +67,30 @@ def slot_words(patterns: Sequence[Pattern]) -> SlotWords:
     panels = [panel for pattern in patterns for panel in pattern.panels]
     names = tuple(dict.fromkeys(sorted(panel.name for panel in panels)))
     return SlotWords(names, max(len(panel.outline.edges) for panel in panels))
+
+
+@dataclass(frozen=True)
+class SlotConfig:
+    """Slots and size of a baseline."""
+
+    names: tuple[str, ...]
+    """Of the slots."""
+    edges: int
+    """Most edges of a panel."""
+    width: int
+    layers: int
+    picture: int = 128
+    """Pixels a side."""
+    resnet: dict[str, Any] | None = None
+    """Configuration of the ResNet that looks at pictures; None for the small encoder."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", tuple(self.names))  # JSON has lists
+
+    @property
+    def words(self) -> SlotWords:
+        """Its slots."""
+        return SlotWords(self.names, self.edges)
 
 
 @dataclass  # not frozen: Fabric casts its fields where precision is mixed
@@ -142,6 +172,11 @@ class PicturedSlots:
         return self.pictures.float() / 255
 
 
+def pictured_slots(album: Album, patterns: Sequence[Pattern], words: SlotWords) -> PicturedSlots:
+    """An album's pictures with its patterns in slots."""
+    return PicturedSlots(album.garments.pictures, slot_vectors(patterns, words))
+
+
 @dataclass
 class SlotOutputs:
     """What a network says of some garments; as `SlotVectors`, `free` as logits."""
@@ -151,6 +186,14 @@ class SlotOutputs:
     translations: Float[Tensor, "n slot 3"]
     tags: Float[Tensor, "n slot edge 3"]
     free: Float[Tensor, "n slot edge"]
+
+
+def outputs(
+    places: Float[Tensor, "n slot 7"], edges: Float[Tensor, "n slot edge 10"]
+) -> SlotOutputs:
+    """The numbers of panels and edges, by what they mean."""
+    rows, tags, free = edges.split([ROW, TAGS, 1], 3)
+    return SlotOutputs(rows, places[..., :4], places[..., 4:], tags, free[..., 0])
 
 
 def slot_losses(found: SlotOutputs, truth: SlotVectors) -> dict[str, Tensor]:

@@ -7,7 +7,6 @@ them from the nearest topology that was trained on. What the paper leaves open i
 there; here each has a flag.
 """
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,9 +17,8 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from garmentimage.dataset.read import tables
-from garmentimage.errors import DatasetError, DecodeError, LearnError, quoted
-from garmentimage.files import shown_path
+from garmentimage.dataset.read import patterns_of, tables
+from garmentimage.errors import DecodeError, LearnError, quoted
 from garmentimage.pattern.model import (
     Cubic,
     Edge,
@@ -32,7 +30,6 @@ from garmentimage.pattern.model import (
     Stitch,
     Vector,
 )
-from garmentimage.pattern.spec import pattern_from_spec
 
 UNIT_CM = 30.0
 """Unit of coordinates."""
@@ -148,13 +145,7 @@ def read_patterns(folder: str | Path, split: str) -> list[Pattern]:
         for table in tables(folder, split, ["pattern"])
         for text in table["pattern"].to_pylist()
     ]
-    try:
-        return [pattern_from_spec(json.loads(text)) for text in texts]
-    except (TypeError, ValueError) as error:
-        raise DatasetError(
-            f"{shown_path(folder)}: a pattern of its split {quoted(split)} is damaged ({error}); "
-            "build it again"
-        ) from None
+    return patterns_of(texts, folder)
 
 
 def vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:

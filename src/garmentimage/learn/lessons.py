@@ -1,0 +1,191 @@
+"""What can be trained: for each network what it is, what it learns from, and how it is kept."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import nn
+
+from garmentimage.errors import LearnError
+from garmentimage.learn.export import CARD, export, export_cascade
+from garmentimage.learn.train import Examples
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What to train with."""
+
+    data: Path
+    beta: float | None = None
+    """Weight of the prior; None for the network's own."""
+    without: tuple[str, ...] = ()
+    """Types of garments that are left out."""
+    as_paper: tuple[str, ...] = ()
+    """Which of our departures from the paper's cascade are left out, see `DEPARTURES`."""
+    resnet: Path | None = None
+    """Folder of a ResNet that looks at the pictures for a baseline."""
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A network, and what it learns from."""
+
+    title: str
+    what: str
+    """A sentence for its card."""
+    config: Any
+    make: Callable[[], nn.Module]
+    """The network, from the seed that is set."""
+    known: Examples
+    held_out: Examples
+    keep: Callable[[Any, Mapping[str, Any], str, Path], None]
+    """Write the trained network, given facts of its data and the text of its card."""
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    """What else tells its runs apart."""
+
+
+def vae_lesson(wanted: Wanted) -> Lesson:
+    """The VAE of GarmentImages."""
+    from garmentimage.learn.garment_vae import GarmentVAE, default_config
+    from garmentimage.learn.rasters import read_rasters
+
+    known, held_out = (read_rasters(wanted.data, split) for split in ("train", "validation"))
+    config = default_config(known.rasters.grid, **_beta(wanted))
+    return Lesson(
+        "GarmentImage VAE",
+        "A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its encoder "
+        f"one linear map: front and back of {config.grid} x {config.grid} cells to "
+        f"{config.latent} numbers and back.",
+        config,
+        lambda: _channels_last(GarmentVAE(config)),
+        known.rasters,
+        held_out.rasters,
+        lambda model, facts, card, folder: export(model, known, facts, card, folder),
+    )
+
+
+def vector_vae_lesson(wanted: Wanted) -> Lesson:
+    """The paper's baseline of the VAE."""
+    from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
+    from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
+
+    known, held_out = (read_patterns(wanted.data, split) for split in ("train", "validation"))
+    words = vocabulary(known)
+    config = replace(VectorVAEConfig(len(words.panels), words.vertices), **_beta(wanted))
+    return Lesson(
+        "Vector VAE",
+        "The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors.",
+        config,
+        lambda: VectorVAE(config),
+        vectors(known, words),
+        vectors(held_out, words),
+        _save_pretrained,
+    )
+
+
+def cascade_lesson(wanted: Wanted) -> Lesson:
+    """Three U-Nets from pictures to GarmentImages."""
+    from garmentimage.learn.cascade import DEPARTURES, PAPER, Cascade, CascadeConfig
+    from garmentimage.learn.pictured import read_album
+
+    known, held_out = (
+        read_album(wanted.data, split, without=wanted.without) for split in ("train", "validation")
+    )
+    given_up = {name: getattr(PAPER, name) for part in wanted.as_paper for name in DEPARTURES[part]}
+    config = replace(
+        CascadeConfig(**given_up),
+        grid=known.garments.inside.shape[-1],
+        picture=known.garments.pictures.shape[-1],
+    )
+    return Lesson(
+        "Picture to GarmentImage",
+        "Three U-Nets that turn the picture of a worn garment into a GarmentImage, as in Section "
+        f"4.3 of the paper: {config.picture} x {config.picture} pixels to front and back of "
+        f"{config.grid} x {config.grid} cells.",
+        config,
+        lambda: _channels_last(Cascade(config)),
+        known.garments,
+        held_out.garments,
+        lambda model, facts, card, folder: export_cascade(
+            model, known, held_out, facts, card, folder
+        ),
+        {"without": sorted(wanted.without)},
+    )
+
+
+def slot_lesson(wanted: Wanted, name: str) -> Lesson:
+    """A vector-based baseline of the cascade."""
+    from garmentimage.dataset.read import patterns_of
+    from garmentimage.learn.pictured import read_album
+    from garmentimage.learn.seer import read_resnet
+    from garmentimage.learn.slot_networks import SLOT_NETWORKS
+    from garmentimage.learn.slot_vectors import SlotConfig, pictured_slots, slot_words
+
+    albums = [
+        read_album(wanted.data, split, without=wanted.without) for split in ("train", "validation")
+    ]
+    patterns = [patterns_of(album.patterns, wanted.data) for album in albums]
+    words = slot_words(patterns[0])
+    resnet = read_resnet(wanted.resnet) if wanted.resnet else None
+    kind = SLOT_NETWORKS[name]
+    config = SlotConfig(
+        words.names,
+        words.edges,
+        kind.width,
+        kind.layers,
+        picture=albums[0].garments.pictures.shape[-1],
+        resnet=resnet.config.to_dict() if resnet else None,
+    )
+
+    def make() -> nn.Module:
+        model = kind.network(config)
+        if resnet is not None:
+            model.see.net.load_state_dict(resnet.state_dict())  # type: ignore[union-attr]
+        return model
+
+    seen_by = "ResNet that was given" if resnet else "small encoder of pictures"
+    known, held_out = (
+        pictured_slots(album, found, words) for album, found in zip(albums, patterns)
+    )
+    return Lesson(
+        kind.title,
+        f"{kind.what}, with a {seen_by}: a baseline of the paper's Section 4.3.",
+        config,
+        make,
+        known,
+        held_out,
+        _save_pretrained,
+        {"without": sorted(wanted.without)},
+    )
+
+
+def lesson(network: str, wanted: Wanted) -> Lesson:
+    """What a network learns.
+
+    Raises:
+        LearnError: there is no network of that name.
+        DatasetError: the data cannot be read, or are not for that network.
+    """
+    from garmentimage.learn.slot_networks import SLOT_NETWORKS
+
+    lessons = {"vae": vae_lesson, "vector-vae": vector_vae_lesson, "cascade": cascade_lesson}
+    if network in SLOT_NETWORKS:
+        return slot_lesson(wanted, network)
+    if network not in lessons:
+        raise LearnError(f"there is no network {network!r}")
+    return lessons[network](wanted)
+
+
+def _beta(wanted: Wanted) -> dict[str, Any]:
+    return {} if wanted.beta is None else {"beta": wanted.beta}
+
+
+def _channels_last(model: nn.Module) -> nn.Module:
+    return model.to(memory_format=torch.channels_last)  # type: ignore[no-any-return,call-overload]
+
+
+def _save_pretrained(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
+    model.save_pretrained(folder)
+    (folder / CARD).write_text(card, encoding="utf-8")

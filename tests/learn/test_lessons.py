@@ -1,0 +1,92 @@
+"""Every network from one command: trained, resumed, kept with its card."""
+
+import json
+
+import pytest
+import torch
+
+from garmentimage.cli import main
+from garmentimage.learn.cascade import Cascade, CascadeConfig
+from garmentimage.learn.slot_networks import SLOT_NETWORKS
+from garmentimage.learn.weights import load_weights
+from garmentimage.learn_commands import BASELINES, DEPARTURES
+
+
+def train(*words) -> int:
+    return main(["train", *map(str, words), "--batch", "16"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SLOT_NETWORKS)
+def test_a_baseline_is_trained_and_read_again(name, pictured, tmp_path, capsys):
+    run = tmp_path / "run"
+    words = [name, "--data", pictured, "--without", "top + pants", "--epochs", 2, "-o", run]
+    assert train(*words) == 0 and "trained, " in capsys.readouterr().out
+    told = json.loads((run / "run.json").read_text())["run"]
+    assert told["without"] == ["top + pants"]
+    assert not any("pants" in panel for panel in told["config"]["names"])
+    model = load_weights(SLOT_NETWORKS[name].network, run / "model")
+    found = model.predict(torch.rand(2, 3, 128, 128))
+    assert found.edges.shape == (2, len(model.config.names), model.config.edges, 6)
+    card = (run / "model" / "README.md").read_text()
+    assert "--without 'top + pants'" in card and "small encoder" in card
+    assert train(*words) == 0  # nothing is left to do
+
+
+@pytest.mark.slow
+def test_a_cascade_as_in_the_paper_leaves_out_what_is_ours(pictured, tmp_path):
+    told = {}
+    for part in (*DEPARTURES, "all"):
+        words = ["cascade", "--data", pictured, "--epochs", 1, "--as-paper", part]
+        assert train(*words, "-o", tmp_path / part) == 0
+        told[part] = load_weights(Cascade, tmp_path / part / "model").config
+    ours = CascadeConfig()
+    assert told["losses"].squares and told["losses"].noise == ours.noise
+    assert told["noise"].noise == 0 and not told["noise"].squares
+    assert told["weights"].boundary_weight == 1 and told["weights"].noise == ours.noise
+    every = told["all"]
+    assert (every.squares, every.noise, every.boundary_weight) == (True, 0, 1)
+
+
+@pytest.mark.slow
+def test_a_resnet_from_disk_looks_at_the_pictures(pictured, tmp_path):
+    from transformers import ResNetConfig, ResNetModel
+
+    torch.manual_seed(1)
+    small = ResNetModel(
+        ResNetConfig(embedding_size=8, hidden_sizes=[8, 8, 16, 24], depths=[1, 1, 1, 1])
+    )
+    small.save_pretrained(tmp_path / "resnet")
+    run = tmp_path / "run"
+    words = ["panel-pool", "--data", pictured, "--epochs", 1, "--resnet", tmp_path / "resnet"]
+    assert train(*words, "--rate", 1e-9, "-o", run) == 0
+    model = load_weights(SLOT_NETWORKS["panel-pool"].network, run / "model")
+    kept, given = model.see.net.state_dict(), small.state_dict()
+    assert all(torch.allclose(kept[n], given[n], atol=1e-4) for n in given if "conv" in n)
+    assert "ResNet that was given" in (run / "model" / "README.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["vae", "--without", "shirt"], "--without is for cascade, panel-transformer, "),
+        (["panel-pool", "--as-paper", "all"], "--as-paper is for cascade only"),
+        (["cascade", "--as-paper", "noises"], "--as-paper is 'noises'; choose losses, noise, "),
+        (["cascade", "--beta", "1"], "--beta is for vae, vector-vae only"),
+        (["cascade", "--resnet", "x"], "--resnet is for panel-transformer, panel-recurrent, "),
+        (["unet"], "there is no network 'unet'"),
+    ],
+)
+def test_options_that_a_network_does_not_have_are_refused(words, message, tmp_path, capsys):
+    assert main(["train", *words, "--data", str(tmp_path), "-o", str(tmp_path / "run")]) != 0
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_folder_that_holds_no_resnet_is_refused(pictured, tmp_path, capsys):
+    words = ["panel-pool", "--data", pictured, "-o", tmp_path / "run", "--resnet", tmp_path]
+    assert train(*words) != 0 and "holds no ResNet; give a folder" in capsys.readouterr().err
+
+
+def test_the_command_knows_all_baselines():
+    assert set(BASELINES) == set(SLOT_NETWORKS)
