@@ -5,7 +5,6 @@ seed that no dataset has. Records go to a folder as they come, a file for each s
 and a run that was stopped goes on.
 """
 
-import hashlib
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,9 +28,10 @@ from garmentimage.evaluate.garment import (
     seen,
     silhouette_distance,
 )
-from garmentimage.explore.space import DECODER, ENCODER, LatentSpace, Step
+from garmentimage.evaluate.records import Records, weights_hash
+from garmentimage.explore.space import LatentSpace, Step
 from garmentimage.explore.walk import edit
-from garmentimage.files import shown_path, write_atomically
+from garmentimage.files import shown_path
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
@@ -40,7 +40,6 @@ from garmentimage.raster.repair import RepairLevel
 STEPS = 9
 SEED = 20
 TIME_LIMIT_S = 300.0
-RUN_FILE = "run.json"
 STAGES = ("reconstruction", "interpolation", "edits")
 
 
@@ -78,6 +77,11 @@ class Item:
     recipe: str
     number: int
 
+    @property
+    def name(self) -> str:
+        """Of the records that it is one of."""
+        return f"{self.stage}-{self.judged.name}"
+
 
 def evaluate(
     networks: Sequence[Judged],
@@ -106,8 +110,7 @@ def evaluate(
             holds records of others.
     """
     _check(networks, recipe, amounts)
-    _prepare(folder, networks, amounts)
-    _records.cache_clear()
+    kept = Records(folder, asdict(amounts), {each.name: _told(each) for each in networks})
     counts = {
         "reconstruction": amounts.garments,
         "interpolation": amounts.pairs,
@@ -119,15 +122,15 @@ def evaluate(
         for judged in networks
         for number in range(counts[stage])
     ]
-    kept = ((item, _kept(folder, item)) for item in items)
-    records = {item: record for item, record in kept if record is not None}
+    found = ((item, kept.kept(item.name, item.number)) for item in items)
+    records = {item: record for item, record in found if record is not None}
     missing = [item for item in items if item not in records]
     progress(len(records), len(items))
     for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
         item, made = missing[outcome.number], outcome.result
         records[item] = {"lost": made.reason} if isinstance(made, Lost) else made
         if not isinstance(made, Lost):  # Who was lost is tried again by the next run.
-            _keep(folder, item, records[item])
+            kept.keep(item.name, item.number, records[item])
         progress(len(records), len(items))
     return {
         judged.name: {
@@ -159,50 +162,12 @@ def _check(networks: Sequence[Judged], recipe: str, amounts: Amounts) -> None:
             )
 
 
-def _prepare(folder: Path, networks: Sequence[Judged], amounts: Amounts) -> None:
-    """Tell what a folder's records are of, or refuse those of others."""
-    file = folder / RUN_FILE
-    told = {
-        "amounts": asdict(amounts),
-        "networks": {
-            judged.name: {
-                "weights_sha256": _weights_hash(judged),
-                "data_sha256": dataset_hash(Path(judged.data)),
-            }
-            for judged in networks
-        },
+def _told(judged: Judged) -> dict[str, str]:
+    """What tells a network's records from those of others."""
+    return {
+        "weights_sha256": weights_hash(Path(judged.folder)) if judged.folder else "",
+        "data_sha256": dataset_hash(Path(judged.data)),
     }
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        found = json.loads(file.read_text(encoding="utf-8")) if file.exists() else told
-        others = [name for name in told["networks"] if name in found["networks"]]
-        if found["amounts"] != told["amounts"] or any(
-            found["networks"][name] != told["networks"][name] for name in others
-        ):
-            raise LearnError(
-                f"{shown_path(folder)}: holds records of other networks, data or amounts; choose "
-                "another folder"
-            )
-        told["networks"] = found["networks"] | told["networks"]
-    except OSError as error:
-        raise LearnError(
-            f"{shown_path(folder)}: cannot be used ({error.strerror}); choose another folder"
-        ) from None
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        if isinstance(error, LearnError):
-            raise
-        raise LearnError(f"{shown_path(file)}: is damaged; choose another folder") from None
-    write_atomically(file, json.dumps(told, indent=1) + "\n")
-
-
-def _weights_hash(judged: Judged) -> str:
-    """SHA-256 of a network's files; empty where there is no network."""
-    digest = hashlib.sha256()
-    for name in (DECODER, ENCODER, "model.safetensors"):
-        file = Path(judged.folder) / name
-        if judged.folder and file.is_file():
-            digest.update(file.read_bytes())
-    return digest.hexdigest() if judged.folder else ""
 
 
 def measured(item: Item) -> dict[str, Any]:
@@ -339,42 +304,7 @@ def triplets_of(recipe: str, count: int) -> list[Triplet]:
     return [each for edit in EDITS[recipe] for each in triplets(edit, count)]
 
 
-# --- records and figures -------------------------------------------------------------------------
-
-
-def _file(folder: Path, item: Item) -> Path:
-    return folder / f"{item.stage}-{item.judged.name.replace(' ', '-').replace(',', '')}.jsonl"
-
-
-@cache
-def _records(file: Path) -> dict[int, dict[str, Any]]:
-    if not file.exists():
-        return {}
-    lines = file.read_text(encoding="utf-8").split("\n")
-    try:
-        # The last one has no end where a run was stopped while it wrote.
-        found = [json.loads(line) for line in lines[:-1]]
-        return {int(line.pop("number")): line for line in found}
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise LearnError(
-            f"{shown_path(file)}: is damaged; remove it, and what it holds is measured again"
-        ) from None
-
-
-def _kept(folder: Path, item: Item) -> dict[str, Any] | None:
-    return _records(_file(folder, item)).get(item.number)
-
-
-def _keep(folder: Path, item: Item, record: dict[str, Any]) -> None:
-    file = _file(folder, item)
-    line = json.dumps({"number": item.number, **record}) + "\n"
-    if file.exists():
-        kept = file.read_text(encoding="utf-8")
-        whole = kept[: kept.rfind("\n") + 1]
-        if whole != kept:
-            write_atomically(file, whole)
-    with file.open("a", encoding="utf-8") as opened:
-        opened.write(line)
+# --- Figures ----------------------------------------------------------------------------------
 
 
 def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -54,7 +54,7 @@ class ResNetSeer(nn.Module):
         super().__init__()
         made = ResNetConfig.from_dict(config)
         self.net = ResNetModel(made)
-        self.width = int(made.hidden_sizes[-1])
+        self.width = int((made.hidden_sizes or [0])[-1])
         # What pictures of ImageNet were standardised by.
         self.register_buffer("mean", torch.tensor([0.485, 0.456, 0.406])[:, None, None])
         self.register_buffer("spread", torch.tensor([0.229, 0.224, 0.225])[:, None, None])
