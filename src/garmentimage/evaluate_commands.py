@@ -8,77 +8,115 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from garmentimage.errors import LearnError
+from garmentimage.errors import LearnError, quoted
 from garmentimage.files import shown_path, write_atomically
 from garmentimage.terminal import Exit, print_json, whole_number
 
 if TYPE_CHECKING:
-    from garmentimage.evaluate.explore import Amounts, Judged
+    from garmentimage.evaluate import explore, image
+    from garmentimage.evaluate.guesses import Guesser
 
-SUBJECTS = ("explore",)
 LEVELS = ("full", "paper", "none")
+EXPLORE = {"garments": 300, "pairs": 200, "triplets": 100}
+IMAGE = {"seen": 1000, "unseen": 500, "parts": 300, "draped": 200}
+"""How many of each are measured, by subject."""
+ONLY_OF = {
+    "explore": ("vae", "vectors", *EXPLORE),
+    "image": ("recipe", "network", *IMAGE),
+}
+OF_RUN = ("network", "settings", "config", "without")
+SHOWN = 3
+"""Garments of each split in the figure of guesses."""
 
 
 def evaluate_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `evaluate`."""
-    parser.add_argument("subject", metavar="SUBJECT", help="explore: interpolation and edits")
     parser.add_argument(
-        "--data", type=Path, required=True, metavar="FOLDER", help="the dataset of the networks"
+        "subject",
+        metavar="SUBJECT",
+        help="explore: interpolation and edits; image: picture to pattern",
     )
-    parser.add_argument("--vae", metavar="NAME", help="a latent space or its folder")
-    parser.add_argument("--vectors", metavar="FOLDER", help="a vector VAE of the same dataset")
+    parser.add_argument(
+        "--data", type=Path, metavar="FOLDER", help="the dataset of the networks (data/RECIPE)"
+    )
+    parser.add_argument("--vae", metavar="NAME", help="explore: a latent space or its folder")
+    parser.add_argument("--vectors", metavar="FOLDER", help="explore: a vector VAE of that dataset")
+    parser.add_argument("--recipe", metavar="RECIPE", help="image: of data/RECIPE, runs/RECIPE-*")
+    parser.add_argument(
+        "--network",
+        action="append",
+        metavar="NAME=RUN",
+        help="image: instead of runs/RECIPE-*; of one NAME where they differ in their seed",
+    )
     parser.add_argument(
         "-o", "--out", type=Path, required=True, metavar="FOLDER", help="for records and tables"
     )
-    for name, default in (("garments", 300), ("pairs", 200), ("triplets", 100)):
-        parser.add_argument(
-            f"--{name}", type=whole_number, default=default, metavar="N", help=f"({default})"
-        )
+    for subject, amounts in (("explore", EXPLORE), ("image", IMAGE)):
+        for name, default in amounts.items():
+            parser.add_argument(
+                f"--{name}", type=whole_number, metavar="N", help=f"{subject}: ({default})"
+            )
     parser.add_argument("--workers", type=whole_number, default=2, metavar="N", help="(2)")
 
 
 def run_evaluate(options: argparse.Namespace) -> Exit:
     """Measure networks, and write tables and figures."""
-    if options.subject not in SUBJECTS:
-        raise LearnError(f"there is no subject {options.subject!r}; choose {SUBJECTS[0]}")
+    subjects = {"explore": _run_explore, "image": _run_image}
+    if options.subject not in subjects:
+        raise LearnError(
+            f"there is no subject {quoted(options.subject)}; choose {' or '.join(subjects)}"
+        )
+    for subject, names in ONLY_OF.items():
+        for name in names:
+            if subject != options.subject and getattr(options, name) is not None:
+                raise LearnError(f"--{name} is of `evaluate {subject}` only")
+    if options.workers < 1:
+        raise LearnError(f"--workers is {options.workers}; give 1 or more")
+    return subjects[options.subject](options)
+
+
+def _amounts(options: argparse.Namespace, known: dict[str, int], least: int) -> dict[str, int]:
+    found = {}
+    for name, default in known.items():
+        given = getattr(options, name)
+        found[name] = default if given is None else given
+        if found[name] < least:
+            raise LearnError(f"--{name} is {found[name]}; give {least} or more")
+    return found
+
+
+# --- Exploring -----------------------------------------------------------------------------------
+
+
+def _run_explore(options: argparse.Namespace) -> Exit:
     from garmentimage.dataset.sheet import dataset_hash, summary_of
     from garmentimage.evaluate.edits import EDITS
     from garmentimage.evaluate.explore import Amounts, evaluate, facts
     from garmentimage.evaluate.table import markdown
-    from garmentimage.provenance import source_commit
 
+    if options.data is None:
+        raise LearnError("name the dataset of the networks with --data")
     recipe = summary_of(options.data)["recipe"]
     if recipe not in EDITS:
-        raise LearnError(f"{shown_path(options.data)}: is of no recipe for {options.subject}")
+        raise LearnError(f"{shown_path(options.data)}: is of no recipe for explore")
     networks = _networks(options)
-    for name in ("garments", "pairs", "triplets", "workers"):
-        if getattr(options, name) < 1:
-            raise LearnError(f"--{name} is {getattr(options, name)}; give 1 or more")
-    amounts = Amounts(options.garments, options.pairs, options.triplets)
+    amounts = Amounts(**_amounts(options, EXPLORE, 1))
     with _Bar() as bar:
         figures = evaluate(
             networks, recipe, options.out, amounts, workers=options.workers, progress=bar.at
         )
     result = {
-        "recipe": recipe,
-        "commit": source_commit(),
-        "date": datetime.now(UTC).date().isoformat(),
+        **_provenance(recipe),
         "data_sha256": dataset_hash(options.data),
         **facts(networks, amounts),
         "figures": figures,
     }
-    write_atomically(options.out / "result.json", json.dumps(result, indent=1) + "\n")
-    write_atomically(options.out / "table.md", markdown(figures))
+    _put(options.out, result, markdown(figures))
     _draw(options.out, networks, recipe, amounts)
-    if options.json:
-        print_json(result)
-    else:
-        print(markdown(figures))
-        print(f"{shown_path(options.out)}: records, result.json, table.md and figures")
-    return Exit.OK
+    return _say(options, options.out, result, markdown(figures))
 
 
-def _networks(options: argparse.Namespace) -> list["Judged"]:
+def _networks(options: argparse.Namespace) -> list["explore.Judged"]:
     from garmentimage.evaluate.explore import Judged
     from garmentimage.explore.space import LatentSpace
 
@@ -95,7 +133,9 @@ def _networks(options: argparse.Namespace) -> list["Judged"]:
     return [*networks, Judged("no network", "", data, "full")]
 
 
-def _draw(folder: Path, networks: Sequence["Judged"], recipe: str, amounts: "Amounts") -> None:
+def _draw(
+    folder: Path, networks: Sequence["explore.Judged"], recipe: str, amounts: "explore.Amounts"
+) -> None:
     """The first pair across types, and the first triplet of each edit, through each network."""
     from garmentimage.evaluate.explore import STEPS, codec_of, pairs_of, triplets_of
     from garmentimage.evaluate.figure import edit_picture, way_picture
@@ -115,6 +155,128 @@ def _draw(folder: Path, networks: Sequence["Judged"], recipe: str, amounts: "Amo
             drawn.add(name)
             file = f"edit-{name.replace(' + ', ' ').replace(' ', '-')}.png"
             write_atomically(folder / file, png_bytes(edit_picture(codecs, triplet)))
+
+
+# --- Picture to pattern --------------------------------------------------------------------------
+
+
+def _run_image(options: argparse.Namespace) -> Exit:
+    from garmentimage.dataset.sheet import dataset_hash, summary_of
+    from garmentimage.evaluate.guesses import named
+    from garmentimage.evaluate.image import Amounts, evaluate, groups, with_parts
+    from garmentimage.evaluate.table import image_table
+
+    if options.data is None and options.recipe is None:
+        raise LearnError("name a dataset with --data, or a recipe with --recipe")
+    data = options.data or Path("data") / options.recipe
+    recipe = summary_of(data)["recipe"]
+    if options.recipe not in (None, recipe):
+        raise LearnError(f"{shown_path(data)}: is of recipe {recipe}, not {quoted(options.recipe)}")
+    amounts = Amounts(**_amounts(options, IMAGE, 0))
+    runs = options.network or _runs(recipe)
+    if not runs:
+        raise LearnError(
+            f"there are no networks runs/{recipe}-*/model; train some, or name them with --network"
+        )
+    tables: list[str] = []
+    results: dict[str, Any] = {}
+    for held_out, guessers in groups(named(runs), data).items():
+        folder = options.out / _folder(held_out) if held_out else options.out
+        every = with_parts(guessers)
+        with _Bar() as bar:
+            told = evaluate(
+                every,
+                data,
+                folder,
+                amounts,
+                held_out=held_out,
+                workers=options.workers,
+                progress=bar.at,
+            )
+        results[held_out] = told | {"networks": _facts(guessers)}
+        tables.append(f"{held_out}\n\n{image_table(told['figures'])}".lstrip())
+        _draw_guesses(folder, every, str(data), held_out, amounts)
+    whole: dict[str, Any] = results.get("", {"held out": results})
+    result = {**_provenance(recipe), "data_sha256": dataset_hash(data),
+              "amounts": vars(amounts), **whole}  # fmt: skip
+    _put(options.out, result, "\n".join(tables))
+    return _say(options, options.out, result, "\n".join(tables))
+
+
+def _runs(recipe: str) -> list[str]:
+    """Finished runs of a recipe; those that differ by a number at the end differ in their seed."""
+    found = []
+    for model in sorted(Path("runs").glob(f"{recipe}-*/model")):
+        name = model.parent.name.removeprefix(f"{recipe}-")
+        stem, _, last = name.rpartition("-")
+        found.append(f"{stem if last.isdigit() and stem else name}={model}")
+    return found
+
+
+def _folder(held_out: str) -> str:
+    from garmentimage.files import safe_name
+
+    return safe_name(held_out)
+
+
+def _facts(guessers: Sequence["Guesser"]) -> list[dict[str, Any]]:
+    """Of each network its folder, and the facts of its run."""
+    from garmentimage.evaluate.image import run_of
+
+    told: list[dict[str, Any]] = []
+    for guesser in guessers:
+        run = run_of(guesser)
+        told.append({"name": guesser.name, "folder": guesser.folder})
+        told[-1] |= {key: run[key] for key in OF_RUN if key in run}
+    return told
+
+
+def _draw_guesses(
+    folder: Path, guessers: Sequence["Guesser"], data: str, held_out: str, amounts: "image.Amounts"
+) -> None:
+    """The first garments of each split, as they were drawn for measuring."""
+    from garmentimage.evaluate.figure import guesses_picture
+    from garmentimage.evaluate.guesses import GIVEN
+    from garmentimage.evaluate.image import CALLED, garments, order_of
+    from garmentimage.render.png import png_bytes
+
+    chosen: dict[str, Guesser] = {}
+    for guesser in guessers:
+        if guesser.level == "full" and guesser.kind not in (*GIVEN, "random"):
+            chosen.setdefault(guesser.name, guesser)
+    for split, name in CALLED.items():
+        album, _ = garments(data, split, held_out)
+        numbers = order_of(album)[: min(SHOWN, amounts.of(split))]
+        if numbers:
+            drawn = guesses_picture(list(chosen.values()), data, album, numbers)
+            write_atomically(folder / f"{name}.png", png_bytes(drawn))
+
+
+# --- What they share -----------------------------------------------------------------------------
+
+
+def _provenance(recipe: str) -> dict[str, str]:
+    from garmentimage.provenance import source_commit
+
+    return {
+        "recipe": recipe,
+        "commit": source_commit(),
+        "date": datetime.now(UTC).date().isoformat(),
+    }
+
+
+def _put(folder: Path, result: dict[str, Any], table: str) -> None:
+    write_atomically(folder / "result.json", json.dumps(result, indent=1) + "\n")
+    write_atomically(folder / "table.md", table)
+
+
+def _say(options: argparse.Namespace, folder: Path, result: dict[str, Any], table: str) -> Exit:
+    if options.json:
+        print_json(result)
+    else:
+        print(table)
+        print(f"{shown_path(folder)}: records, result.json, table.md and figures")
+    return Exit.OK
 
 
 class _Bar:

@@ -6,8 +6,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from garmentimage.errors import LearnError
 from garmentimage.files import safe_name, shown_path, write_together
 from garmentimage.terminal import Exit, list_facts, one_line, print_json
@@ -72,6 +70,7 @@ def _free_name(path: Path, taken: list[str]) -> str:
 
 def _put(path: Path, prediction: "Prediction", worn: "Shown") -> None:
     from garmentimage.drape.export import worn_bytes
+    from garmentimage.explore.strip import beside, strip
     from garmentimage.pattern.spec import pattern_text
     from garmentimage.raster.files import image_bytes
     from garmentimage.render.png import png_bytes
@@ -80,27 +79,13 @@ def _put(path: Path, prediction: "Prediction", worn: "Shown") -> None:
     assert step.image is not None  # it is made of one
     results: dict[str | PathLike[str], bytes | str] = {
         f"{path}.npz": image_bytes(step.image),
-        f"{path}.png": png_bytes(_picture(prediction, worn)),
+        f"{path}.png": png_bytes(beside(prediction.photo.pixels, strip([worn]))),
     }
     if step.pattern is not None:
         results[f"{path}.json"] = pattern_text(step.pattern)
     if worn.worn is not None:
         results[f"{path}.glb"] = worn_bytes(worn.worn, ".glb")
     write_together(results)
-
-
-def _picture(prediction: "Prediction", worn: "Shown") -> np.ndarray:
-    """What the network saw, beside pattern, raster and drape."""
-    from PIL import Image
-
-    from garmentimage.explore.strip import strip
-
-    column = strip([worn])
-    rows, side = column.shape[:2]
-    seen = Image.fromarray(prediction.photo.pixels).resize((side, side), Image.Resampling.LANCZOS)
-    beside = np.full((rows, side, 3), 255, np.uint8)
-    beside[rows - side :] = np.asarray(seen)
-    return np.concatenate([beside, column], axis=1)
 
 
 def _facts(name: str, prediction: "Prediction", worn: "Shown") -> dict[str, Any]:

@@ -61,7 +61,7 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
     torch.manual_seed(0)
     kind = SLOT_NETWORKS[name]
     layers = min(kind.layers, 2)
-    made = kind.network(SlotConfig(WORDS.names, WORDS.edges, 96, layers))
+    made = kind.network(SlotConfig(name, WORDS.names, WORDS.edges, 96, layers))
     pictures = torch.randint(0, 256, (len(GARMENTS), 3, 128, 128), dtype=torch.uint8)
     batch = PicturedSlots(pictures, slot_vectors(GARMENTS, WORDS))
     optimizer = torch.optim.AdamW(made.parameters(), 1e-3)
@@ -77,7 +77,9 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
 
 
 def test_a_pool_leaves_out_the_panels_that_it_does_not_see():
-    pool = SLOT_NETWORKS["panel-pool"].network(SlotConfig(WORDS.names, WORDS.edges, 32, 1))
+    pool = SLOT_NETWORKS["panel-pool"].network(
+        SlotConfig("panel-pool", WORDS.names, WORDS.edges, 32, 1)
+    )
     with torch.no_grad():
         pool.to_there.weight.zero_()
         pool.to_there.bias[:] = torch.arange(len(WORDS.names)) - 1.5

@@ -1,16 +1,22 @@
-"""Figures of exploration: the same ways through both networks' spaces, one over the other."""
+"""Figures: ways through the spaces of networks, and what guessers make of pictures."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import UInt8
 
+from garmentimage.dataset.read import patterns_of
 from garmentimage.evaluate.codecs import Codec
 from garmentimage.evaluate.edits import Triplet
+from garmentimage.evaluate.guesses import Guesser, guessing
 from garmentimage.explore.space import Step
-from garmentimage.explore.strip import shown, strip
+from garmentimage.explore.strip import beside, shown, strip
 from garmentimage.explore.walk import edit
 from garmentimage.pattern.model import Pattern
+
+if TYPE_CHECKING:
+    from garmentimage.learn.pictured import Album
 
 
 def way_picture(
@@ -39,3 +45,23 @@ def edit_picture(codecs: Mapping[str, Codec], triplet: Triplet) -> UInt8[np.ndar
         columns.append(shown(edited.title, edited.step))
         rows.append(strip([*columns, shown("wanted", Step(a, None, None, triplet.truth, ()))]))
     return np.concatenate(rows)
+
+
+def guesses_picture(
+    guessers: Sequence[Guesser], data: str, album: "Album", numbers: Sequence[int]
+) -> UInt8[np.ndarray, "row col 3"]:
+    """For some garments the picture, the true pattern, and what each guesser makes of it."""
+    truths = patterns_of([album.patterns[number] for number in numbers], data)
+    rows = []
+    for number, truth in zip(numbers, truths):
+        columns = [shown(f"truth: {album.types[number]}", _step(truth, ""))]
+        for guesser in guessers:
+            guess = guessing(guesser, data)(album, number)
+            columns.append(shown(guesser.name, _step(guess.pattern, guess.fault)))
+        upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
+        rows.append(beside(np.ascontiguousarray(upright), strip(columns)))
+    return np.concatenate(rows)
+
+
+def _step(pattern: Pattern | None, fault: str) -> Step:
+    return Step(np.zeros(0, np.float32), None, None, pattern, (fault,) if fault else ())

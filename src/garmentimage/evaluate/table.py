@@ -21,6 +21,28 @@ def markdown(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+IMAGE_COLUMNS = (
+    ("panel IoU", "panel_iou"),
+    ("exact topology", "topology"),
+    ("stitch F1", "stitch_f1_by_length"),
+    ("valid", "valid"),
+    ("draped", "draped"),
+)
+
+
+def image_table(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
+    """Picture to pattern: one row for each guesser, columns for garments seen and unseen."""
+    splits = ("seen", "unseen")
+    heads = [f"{name}, {split}" for name, _ in IMAGE_COLUMNS for split in splits]
+    lines = [f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    for name, found in figures.items():
+        cells = [
+            _cell(found.get(split, {}).get(key)) for _, key in IMAGE_COLUMNS for split in splits
+        ]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
 def _cell(value: Mapping[str, float] | None) -> str:
     if value is None:
         return "-"

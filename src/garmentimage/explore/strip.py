@@ -72,6 +72,19 @@ def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
     return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
 
 
+def beside(
+    picture: UInt8[np.ndarray, "row col 3"], columns: UInt8[np.ndarray, "row col 3"]
+) -> UInt8[np.ndarray, "row col 3"]:
+    """A picture to the left of a strip, as wide as a column, beside what is worn."""
+    from PIL import Image
+
+    rows, side = columns.shape[0], int(COLUMN_IN * DPI)
+    seen = Image.fromarray(picture).resize((side, side), Image.Resampling.LANCZOS)
+    left = np.full((rows, side, 3), 255, np.uint8)
+    left[rows - side :] = np.asarray(seen)
+    return np.concatenate([left, columns], axis=1)
+
+
 def film(columns: Sequence[Shown]) -> bytes:
     """The steps one after another and back again, as an animated GIF."""
     from PIL import Image

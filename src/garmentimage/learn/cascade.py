@@ -15,7 +15,7 @@ from torch.nn import functional
 
 from garmentimage.learn.garment_vae import FLAGS, TYPES, check_channels, to_channels
 from garmentimage.learn.pictured import Pictured
-from garmentimage.learn.rasters import INPUTS, LAYERS
+from garmentimage.learn.rasters import INPUTS, LAYERS, Rasters
 from garmentimage.learn.unet import UNet
 from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
@@ -42,6 +42,8 @@ class CascadeConfig:
         check_channels(self.channels_contract)
 
 
+SURE = 20.0
+"""Logit of what is certain."""
 PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0)
 DEPARTURES = {"losses": ("squares",), "noise": ("noise",), "weights": ("boundary_weight",)}
 """What of ours may be left out, and the settings that are then as in the paper."""
@@ -76,16 +78,32 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         return parts
 
     def predict(
-        self, seen: Float[Tensor, "n 3 pixel_row pixel_col"]
+        self,
+        seen: Float[Tensor, "n 3 pixel_row pixel_col"],
+        truth: Rasters | None = None,
+        given: int = -1,
     ) -> Float[Tensor, "n 34 row col"]:
-        """Channels of pictures, as `decode` reads them: probabilities, and vectors in cm."""
-        flags = self.to_flags(seen)
+        """Channels of pictures, as `decode` reads them: probabilities, and vectors in cm.
+
+        Args:
+            seen: pictures.
+            truth: what is given instead of being predicted, if anything.
+            given: how far it is given: 0 the flags, 1 edge types, too, 2 all.
+        """
+        known = None if truth is None else sure_maps(truth)
+        flags = self.to_flags(seen) if known is None or given < 0 else known[:, :FLAGS]
         inside = (flags > 0).float()
-        types = self.to_types(seen, inside)
+        if known is None or given < 1:
+            types = self.to_types(seen, inside)
+        else:
+            types = known[:, FLAGS : FLAGS + TYPES]
         chosen = types.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT)).argmax(2, keepdim=True)
         kinds = torch.arange(EDGE_TYPE_COUNT, device=types.device)[:, None, None]
         one_hot = (chosen == kinds).float().flatten(1, 2)
-        vectors = self.to_vectors(seen, torch.cat([inside, one_hot], 1))
+        if known is None or given < 2:
+            vectors = self.to_vectors(seen, torch.cat([inside, one_hot], 1))
+        else:
+            vectors = known[:, FLAGS + TYPES :]
         return to_channels(torch.cat([flags, types, vectors], 1))
 
     def _flag_loss(self, logits: Tensor, inside: Tensor) -> Tensor:
@@ -107,6 +125,13 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
             functional.smooth_l1_loss(apart, torch.zeros_like(apart), beta=0.01, reduction="sum")
             / known.sum()
         )
+
+
+def sure_maps(truth: Rasters) -> Float[Tensor, "n 34 row col"]:
+    """Maps of true garments, flags and edge types as logits that leave no doubt."""
+    maps = truth.inputs()
+    logits = (2 * maps[:, : FLAGS + TYPES] - 1) * SURE
+    return torch.cat([logits, maps[:, FLAGS + TYPES :]], 1)
 
 
 def flipped(flags: Float[Tensor, "n 2 row col"], share: float) -> Float[Tensor, "n 2 row col"]:

@@ -131,6 +131,7 @@ def slot_lesson(wanted: Wanted, name: str) -> Lesson:
     resnet = read_resnet(wanted.resnet) if wanted.resnet else None
     kind = SLOT_NETWORKS[name]
     config = SlotConfig(
+        name,
         words.names,
         words.edges,
         kind.width,

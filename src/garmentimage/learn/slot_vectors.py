@@ -73,6 +73,8 @@ def slot_words(patterns: Sequence[Pattern]) -> SlotWords:
 class SlotConfig:
     """Slots and size of a baseline."""
 
+    network: str
+    """Which of `SLOT_NETWORKS` it is of."""
     names: tuple[str, ...]
     """Of the slots."""
     edges: int

@@ -79,6 +79,17 @@ class Likeness:
     valid: bool
     """Can be cut and sewn, see `validity`."""
 
+    def figures(self) -> dict[str, float | None]:
+        """All of it as numbers from 0 to 1, centimetres and degrees, by name."""
+        told: dict[str, float | None] = {}
+        for name, value in vars(self).items():
+            if isinstance(value, Scores):
+                for score in ("precision", "recall", "f1"):
+                    told[f"stitch_{score}_{name}"] = getattr(value, score)
+            else:
+                told[name] = None if value is None else float(value)
+        return told
+
 
 NOTHING = Scores(0, 0, 0, 0)
 
@@ -132,18 +143,13 @@ def likeness_summary(
         stitches together ("micro").
     """
     told: dict[str, Interval | float] = {}
-    for name in (
-        "panel_iou", "panel_l2", "panels", "edges", "rotation", "translation", "topology", "valid",
-    ):  # fmt: skip
-        values = [getattr(each, name) for each in found]
-        known = [float(value) for value in values if value is not None]
+    rows = [each.figures() for each in found]
+    for name in rows[0]:
+        known = [value for value in (row[name] for row in rows) if value is not None]
         if known:
             told[name] = interval(known, seed=seed)
     for how in ("by_edge", "by_length"):
         scores = [getattr(each, how) for each in found]
-        for name in ("precision", "recall", "f1"):
-            values = [getattr(score, name) for score in scores]
-            told[f"stitch_{name}_{how}"] = interval(values, seed=seed)
         sums = Counter[str]()
         for score in scores:
             sums.update(asdict(score))

@@ -1,0 +1,414 @@
+"""Picture to pattern, measured: garments of the test split, and of types that no training had.
+
+Who guesses is measured on the same garments; records go to a folder as they come, and a run that
+was stopped goes on. Nothing is trained here.
+"""
+
+import json
+from collections import Counter, defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from garmentimage.dataset.sheet import dataset_hash
+from garmentimage.errors import DatasetError, LearnError, quoted
+from garmentimage.evaluate.garment import seen
+from garmentimage.evaluate.guesses import GIVEN, Guesser, guessing
+from garmentimage.evaluate.records import RUN_FILE, Records, weights_hash
+from garmentimage.files import shown_path
+from garmentimage.metrics.intervals import interval
+from garmentimage.metrics.likeness import likeness
+from garmentimage.metrics.workers import Lost, map_in_processes
+from garmentimage.provenance import source_commit
+from garmentimage.raster.repair import LEVELS
+
+if TYPE_CHECKING:
+    from garmentimage.learn.pictured import Album
+    from garmentimage.pattern.model import Pattern
+
+SEED = 31
+TIME_LIMIT_S = 300.0
+OPENED = "opened.jsonl"
+"""When the test splits were looked at, and by what."""
+SPLITS = ("test", "unseen")
+CALLED = {"test": "seen", "unseen": "unseen"}
+
+
+@dataclass(frozen=True)
+class Amounts:
+    """How many garments are measured."""
+
+    seen: int = 1000
+    unseen: int = 500
+    parts: int = 300
+    """Of each, by guessers that tell what a part is worth: other repairs, given truths."""
+    draped: int = 200
+    """Of each, draped on the default body."""
+
+    def of(self, split: str) -> int:
+        """Garments of a split."""
+        return self.seen if split == "test" else self.unseen
+
+
+@dataclass(frozen=True)
+class Item:
+    """One garment for one guesser."""
+
+    guesser: Guesser
+    data: str
+    held_out: str
+    """The type that the networks were not trained on, where that is not told by the splits."""
+    split: str
+    number: int
+    worn: bool
+
+    @property
+    def name(self) -> str:
+        """Of the records that it is one of."""
+        return f"{CALLED[self.split]}-{self.guesser.key}"
+
+
+def with_parts(guessers: Sequence[Guesser]) -> list[Guesser]:
+    """Those of all figures: the guessers, the anchors, and what tells what its parts are worth.
+
+    Parts are those of the first cascade.
+    """
+    anchors = [Guesser("nearest picture", "nearest"), Guesser("another of its type", "random")]
+    found = [*guessers, *anchors]
+    first = next((each for each in guessers if each.kind == "cascade"), None)
+    if first is not None:
+        found += [
+            Guesser(first.name, "cascade", first.folder, level)
+            for level in LEVELS
+            if level != first.level
+        ]
+        if (Path(first.folder) / "model.safetensors").is_file():
+            found += [Guesser(f"true {_upto(kind)}", kind, first.folder) for kind in GIVEN]
+    return found
+
+
+def evaluate(
+    guessers: Sequence[Guesser],
+    data: Path,
+    folder: Path,
+    amounts: Amounts = Amounts(),
+    *,
+    held_out: str = "",
+    workers: int = 2,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> dict[str, Any]:
+    """Measure guessers on the same garments, and sum up.
+
+    Args:
+        guessers: see `with_parts`.
+        data: a dataset of pictures.
+        folder: where records go; gone on with.
+        amounts: how many garments.
+        held_out: a type of the dataset that the networks were trained without; its test garments
+            are the unseen ones. Empty: those of the split `unseen`.
+        workers: processes.
+        progress: called with how many items are done, and of how many.
+
+    Returns:
+        By name of guesser, level and split, figures with intervals of 95 %.
+
+    Raises:
+        LearnError: a network cannot be read or was trained on what it is measured on, or the
+            folder holds records of others.
+        DatasetError: the dataset has no pictures, or its splits overlap.
+    """
+    told = {"data_sha256": dataset_hash(data), "held_out": held_out}
+    proven = check_splits(data, held_out)
+    for guesser in guessers:
+        if guesser.folder:
+            _check_training(guesser, told["data_sha256"], held_out)
+            guessing(guesser, str(data))
+    kept = Records(folder, asdict(amounts), {each.key: told | _hash(each) for each in guessers})
+    items = _items(guessers, str(data), held_out, amounts)
+    records = {}
+    for item in items:
+        record = kept.kept(item.name, item.number)
+        if record is not None and (not item.worn or record["draped"] is not None):
+            records[item] = record
+    missing = [item for item in items if item not in records]
+    if missing:
+        _log(folder, missing)
+    progress(len(records), len(items))
+    for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
+        item, made = missing[outcome.number], outcome.result
+        records[item] = {"lost": made.reason} if isinstance(made, Lost) else made
+        if not isinstance(made, Lost):  # Who was lost is tried again by the next run.
+            kept.keep(item.name, item.number, records[item])
+        progress(len(records), len(items))
+    return {
+        "splits": proven,
+        "opened": [json.loads(line) for line in _lines(folder / OPENED)],
+        "figures": summary(items, records),
+    }
+
+
+def measured(item: Item) -> dict[str, Any]:
+    """The record of an item."""
+    album, patterns = garments(item.data, item.split, item.held_out)
+    guess = guessing(item.guesser, item.data)(album, item.number)
+    truth = patterns[item.number]
+    found = likeness(truth, guess.pattern)
+    worn = seen(guess.pattern, guess.fault).valid if item.worn else None
+    return {
+        "type": album.types[item.number],
+        **found.figures(),
+        "panels found": len(guess.pattern.panels) if guess.pattern else 0,
+        "draped": worn,
+        "fault": guess.fault,
+        "repairs": guess.repairs,
+        "confidence": guess.confidence,
+    }
+
+
+def summary(
+    items: Sequence[Item], records: Mapping[Item, Mapping[str, Any]]
+) -> dict[str, dict[str, Any]]:
+    """Figures by guesser and split; of networks of one name the mean over their seeds."""
+    groups: defaultdict[tuple[str, str], dict[int, list[Mapping[str, Any]]]] = defaultdict(dict)
+    seeds: defaultdict[tuple[str, str], defaultdict[str, list[float]]] = defaultdict(
+        lambda: defaultdict(list)
+    )
+    lost: Counter[tuple[str, str]] = Counter()
+    for item in items:
+        record, guesser = records[item], item.guesser
+        name = guesser.name if guesser.level == "full" else f"{guesser.name}, {guesser.level}"
+        group = name, CALLED[item.split]
+        if "lost" in record:
+            lost[group] += 1
+            continue
+        groups[group].setdefault(item.number, []).append(record)
+        seeds[group][guesser.key].append(record["panel_iou"])
+    told: dict[str, dict[str, Any]] = {}
+    for (name, split), rows in groups.items():
+        figures = _figures(list(rows.values()))
+        figures["lost"] = lost[name, split]
+        if len(seeds[name, split]) > 1:
+            figures["panel_iou by seed"] = {
+                key: round(float(np.mean(values)), 4)
+                for key, values in sorted(seeds[name, split].items())
+            }
+        told.setdefault(name, {})[split] = figures
+    return told
+
+
+def _figures(garments: Sequence[Sequence[Mapping[str, Any]]]) -> dict[str, Any]:
+    """Each garment's records are those of some seeds."""
+    first = garments[0][0]
+    told: dict[str, Any] = {}
+    for name in first:
+        if name in ("type", "fault", "repairs", "panels found"):
+            continue
+        means = []
+        for records in garments:
+            known = [float(each[name]) for each in records if each[name] is not None]
+            if known:
+                means.append(float(np.mean(known)))
+        if means:
+            told[name] = asdict(interval(means))
+    every = [record for records in garments for record in records]
+    repairs: Counter[str] = Counter()
+    for record in every:
+        repairs.update({rule: 1 for rule in record["repairs"]})
+    told["repaired"] = {rule: round(n / len(every), 4) for rule, n in repairs.most_common()}
+    faults = Counter(_short(record["fault"]) for record in every if record["fault"])
+    told["faults"] = dict(faults.most_common())
+    return told
+
+
+def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
+    """Prove that no garment that is measured on is one that networks learn from.
+
+    Neither its row, nor its pattern, nor its type where it is unseen; nor who wears it, where the
+    recipe has bodies for test.
+
+    Returns:
+        How much was learnt from, and how much of it is in test: nothing.
+
+    Raises:
+        DatasetError: says what is in both.
+    """
+    from garmentimage.dataset.recipe import recipe
+    from garmentimage.dataset.sheet import summary_of
+
+    bodies = ("body",) if recipe(summary_of(data)["recipe"]).test_bodies else ()
+    told = ("id", "pattern", "type", *bodies)
+    learnt: dict[str, set[str]] = {name: set() for name in told}
+    for split in ("train", "validation"):
+        for name, values in _told(data, split, told, held_out).items():
+            learnt[name] |= values
+    shared: dict[str, int] = {}
+    unseen_types = {held_out} if held_out else set()
+    for split in SPLITS:
+        for name, values in _told(data, split, told).items():
+            if name == "type" and split == "unseen" and not held_out:
+                unseen_types |= values
+            if name == "type" and split == "test":
+                continue
+            both = learnt[name] & values
+            if both:
+                raise DatasetError(
+                    f"{shown_path(data)}: {len(both)} of split {quoted(split)} have the same "
+                    f"{name} as garments in training, such as {quoted(min(both)[:60])}"
+                )
+            shared[f"{name} of split {split} in training"] = len(both)
+    if held_out in learnt["type"]:
+        raise DatasetError(f"{shown_path(data)}: type {quoted(held_out)} is in training")
+    return {
+        "rows learnt from": len(learnt["id"]),
+        "types learnt from": sorted(learnt["type"]),
+        "unseen types": sorted(unseen_types),
+        **shared,
+    }
+
+
+def _told(data: Path, split: str, columns: Sequence[str], without: str = "") -> dict[str, set[str]]:
+    """All values of some columns in a split; none where there is no such split."""
+    from garmentimage.dataset.read import shard_files, tables
+
+    found: dict[str, set[str]] = {name: set() for name in columns}
+    if not any(file.name.startswith(f"{split}-") for file in shard_files(data)):
+        return found
+    for table in tables(data, split, list(columns)):
+        kept = [name != without for name in table["type"].to_pylist()]
+        for name, values in found.items():
+            values.update(v for v, is_kept in zip(table[name].to_pylist(), kept) if is_kept)
+    return found
+
+
+def _check_training(guesser: Guesser, data_sha256: str, held_out: str) -> None:
+    """Refuse a network that was trained on other data: the garments measured on may be in those."""
+    run = run_of(guesser)
+    if not run:
+        return  # not from a run of this machine; its card tells what it was trained on
+    trained, without = run.get("data_sha256"), run.get("without", [])
+    if trained != data_sha256:
+        raise LearnError(
+            f"{shown_path(guesser.folder)}: was trained on other data than it is to be measured on"
+        )
+    if held_out and held_out not in without:
+        raise LearnError(
+            f"{shown_path(guesser.folder)}: was trained on type {quoted(held_out)}, too; train it "
+            f"with --without {quoted(held_out)}"
+        )
+
+
+def run_of(guesser: Guesser) -> dict[str, Any]:
+    """What is known of the run that a network came from; nothing where it was copied away."""
+    file = Path(guesser.folder).parent / RUN_FILE
+    if not file.is_file():
+        return {}
+    try:
+        run = json.loads(file.read_text(encoding="utf-8"))["run"]
+        return dict(run)
+    except (ValueError, KeyError, TypeError):
+        raise LearnError(f"{shown_path(file)}: is damaged") from None
+
+
+def groups(guessers: Sequence[Guesser], data: Path) -> dict[str, list[Guesser]]:
+    """Guessers by the type that their networks were trained without; "" where splits tell it.
+
+    Raises:
+        LearnError: it is not known of a network, or there is no such type and no unseen split.
+    """
+    from garmentimage.dataset.read import shard_files
+
+    if any(file.name.startswith("unseen-") for file in shard_files(data)):
+        return {"": list(guessers)}
+    found: dict[str, list[Guesser]] = {}
+    for guesser in guessers:
+        without = run_of(guesser).get("without", [])
+        if len(without) != 1:
+            raise LearnError(
+                f"{shown_path(guesser.folder)}: was trained without {len(without)} types; this "
+                "dataset takes networks that were trained without one"
+            )
+        found.setdefault(without[0], []).append(guesser)
+    return found
+
+
+def _items(guessers: Sequence[Guesser], data: str, held_out: str, amounts: Amounts) -> list[Item]:
+    items = []
+    for split in SPLITS:
+        album, _ = garments(data, split, held_out)
+        if len(album.ids) < amounts.of(split):
+            raise LearnError(
+                f"{shown_path(data)}: has {len(album.ids)} {CALLED[split]} garments for test; this "
+                f"takes {amounts.of(split)} (--{CALLED[split]})"
+            )
+        order = order_of(album)
+        for guesser in guessers:
+            is_part = guesser.level != "full" or guesser.kind in GIVEN
+            count = min(amounts.parts, amounts.of(split)) if is_part else amounts.of(split)
+            items += [
+                Item(guesser, data, held_out, split, number, not is_part and k < amounts.draped)
+                for k, number in enumerate(order[:count])
+            ]
+    return items
+
+
+def order_of(album: "Album") -> list[int]:
+    """The order in which its garments are measured."""
+    order: list[int] = np.random.default_rng(SEED).permutation(len(album.ids)).tolist()
+    return order
+
+
+@cache
+def garments(data: str, split: str, held_out: str) -> "tuple[Album, list[Pattern]]":
+    """Test garments with their patterns, of seen types or unseen ones."""
+    from garmentimage.dataset.read import patterns_of
+    from garmentimage.learn.pictured import read_album
+
+    if held_out:
+        without = {held_out} if split == "test" else _types(data) - {held_out}
+        album = read_album(data, "test", without=sorted(without))
+    else:
+        album = read_album(data, split)
+    return album, patterns_of(album.patterns, data)
+
+
+@cache
+def _types(data: str) -> set[str]:
+    from garmentimage.dataset.read import facts, shard_files
+
+    return set(facts(shard_files(data, "test")[0]).types)
+
+
+def _hash(guesser: Guesser) -> dict[str, str]:
+    return {"weights_sha256": weights_hash(Path(guesser.folder)) if guesser.folder else ""}
+
+
+def _log(folder: Path, missing: Sequence[Item]) -> None:
+    """Note that the test splits are opened now."""
+    line = {
+        "when": datetime.now(UTC).isoformat(timespec="seconds"),
+        "commit": source_commit(),
+        "for": sorted({item.guesser.key for item in missing}),
+        "garments": dict(Counter(CALLED[item.split] for item in missing)),
+    }
+    with (folder / OPENED).open("a", encoding="utf-8") as opened:
+        opened.write(json.dumps(line) + "\n")
+
+
+def _lines(file: Path) -> list[str]:
+    return file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+
+
+def _upto(kind: str) -> str:
+    return {"flags": "flags", "types": "flags and edge types", "vectors": "image"}[kind]
+
+
+def _short(fault: str) -> str:
+    """A fault without names and numbers, for counting."""
+    words = fault.split("(")[0].split(";")[0].split()
+    kept = [word for word in words if not any(c.isdigit() for c in word) and "'" not in word]
+    return " ".join(kept)[:60]

@@ -1,0 +1,165 @@
+"""Picture to pattern, measured: small networks on a small dataset."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from garmentimage.cli import main
+from garmentimage.dataset.read import row_count, shard_files
+from garmentimage.errors import DatasetError
+from garmentimage.evaluate.guesses import Guesser, named
+from garmentimage.evaluate.image import Amounts, Item, check_splits, evaluate, summary, with_parts
+
+pytestmark = pytest.mark.slow
+SMALL = ["--seen", "3", "--unseen", "4", "--parts", "2", "--draped", "1", "--workers", "1"]
+
+
+@pytest.fixture(scope="module")
+def runs(pictured, tmp_path_factory):
+    """Two cascades that differ in their seed, and a baseline, trained for a moment."""
+    folder = tmp_path_factory.mktemp("runs")
+    for name, words in {
+        "cascade-0": ["cascade", "--seed", 0],
+        "cascade-1": ["cascade", "--seed", 1],
+        "panel-pool": ["panel-pool"],
+    }.items():
+        words = [*words, "--data", pictured, "--epochs", 12, "--batch", 12, "-o", folder / name]
+        assert main(["train", *map(str, words)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def measured(pictured, runs, tmp_path_factory):
+    out = tmp_path_factory.mktemp("measured")
+    words = ["evaluate", "image", "--data", pictured, "-o", out, *SMALL]
+    for name, run in (("ours", "cascade-0"), ("ours", "cascade-1"), ("pool", "panel-pool")):
+        words += ["--network", f"{name}={runs / run}"]
+    assert main([*map(str, words)]) == 0
+    return out, list(map(str, words))
+
+
+def test_a_table_has_all_guessers_and_both_kinds_of_garments(measured):
+    out, _ = measured
+    figures = json.loads((out / "result.json").read_text())["figures"]
+    assert set(figures) == {
+        "ours", "ours, paper", "ours, none", "pool", "nearest picture", "another of its type",
+        "true flags", "true flags and edge types", "true image",
+    }  # fmt: skip
+    for name, counts in {"ours": (3, 4), "pool": (3, 4), "true image": (2, 2)}.items():
+        found = figures[name]
+        assert (found["seen"]["panel_iou"]["n"], found["unseen"]["panel_iou"]["n"]) == counts
+    assert figures["true image"]["unseen"]["panel_iou"]["mean"] > 0.95
+    assert figures["true image"]["seen"]["topology"]["mean"] == 1
+    assert len(figures["ours"]["seen"]["panel_iou by seed"]) == 2
+    assert figures["another of its type"]["unseen"]["topology"]["mean"] == 1
+    table = (out / "table.md").read_text()
+    assert table.startswith("| | panel IoU, seen | panel IoU, unseen |")
+    for name in ("seen.png", "unseen.png"):
+        assert np.asarray(Image.open(out / name)).shape[1] > 1000
+
+
+def test_the_log_tells_when_the_test_splits_were_opened(measured):
+    out, words = measured
+    lines = (out / "opened.jsonl").read_text().splitlines()
+    told = json.loads(lines[0])
+    assert len(lines) == 1 and told["garments"]["unseen"] > 0 and told["when"].startswith("20")
+    records = {f.name: f.read_bytes() for f in out.glob("*.jsonl")}
+    assert main(words) == 0  # everything is there: nothing is opened again
+    assert {f.name: f.read_bytes() for f in out.glob("*.jsonl")} == records
+
+
+def count_again(folder):
+    """Tell the right number of rows, as someone would who mixes splits by accident."""
+    file = folder / "summary.json"
+    told = json.loads(file.read_text())
+    told["rows"] = sum(row_count(shard) for shard in shard_files(folder))
+    file.write_text(json.dumps(told))
+
+
+def test_splits_are_proven_to_have_nothing_in_common(pictured, tmp_path):
+    told = check_splits(pictured)
+    assert told["rows learnt from"] > 50 and told["unseen types"] == ["top with sleeves + pants"]
+    assert told["id of split test in training"] == told["type of split unseen in training"] == 0
+    mixed = tmp_path / "mixed"
+    shutil.copytree(pictured, mixed)
+    (test,) = shard_files(mixed, "test")
+    (train,) = shard_files(mixed, "train")
+    test.write_bytes(train.read_bytes())
+    count_again(mixed)
+    with pytest.raises(DatasetError, match="of split 'test' have the same id as garments in"):
+        check_splits(mixed)
+    (unseen,) = shard_files(mixed, "unseen")
+    shutil.copy(shard_files(pictured, "test")[0], test)
+    unseen.write_bytes(test.read_bytes())
+    count_again(mixed)
+    with pytest.raises(DatasetError, match="of split 'unseen' have the same type as garments in"):
+        check_splits(mixed)
+
+
+def test_a_network_is_not_measured_on_what_it_may_have_learnt_from(
+    pictured, runs, tmp_path, capsys
+):
+    copied = tmp_path / "cascade"
+    shutil.copytree(runs / "cascade-0", copied)
+    told = json.loads((copied / "run.json").read_text())
+    told["run"]["data_sha256"] = "0" * 64
+    (copied / "run.json").write_text(json.dumps(told))
+    words = ["evaluate", "image", "--data", str(pictured), "-o", str(tmp_path / "out"), *SMALL]
+    assert main([*words, "--network", str(copied)]) != 0
+    assert "was trained on other data than it is to be measured on" in capsys.readouterr().err
+
+
+def test_a_type_held_out_is_measured_as_unseen_and_must_have_been_left_out(
+    pictured, runs, tmp_path
+):
+    amounts = Amounts(seen=2, unseen=1, parts=0, draped=0)
+    anchors = [Guesser("another", "random")]
+    told = evaluate(anchors, pictured, tmp_path / "one", amounts, held_out="top + pants", workers=1)
+    assert told["splits"]["unseen types"] == ["top + pants"]
+    assert "top + pants" not in told["splits"]["types learnt from"]
+    wrong = named([str(runs / "cascade-0")])
+    with pytest.raises(Exception, match="was trained on type 'top \\+ pants', too; train it with"):
+        evaluate(wrong, pictured, tmp_path / "two", amounts, held_out="top + pants", workers=1)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "name a dataset with --data, or a recipe with --recipe"),
+        (["--recipe", "d1", "--data", "DATA"], "is of recipe d2, not 'd1'"),
+        (["--data", "DATA"], "there are no networks runs/d2-*/model"),
+        (["--data", "DATA", "--network", "x=nowhere"], "nowhere: holds no network that makes"),
+        (["--data", "DATA", "--network", "RUN", "--seen", "99"], "has 3 seen garments for test; "),
+        (["--data", "DATA", "--network", "RUN", "--vae", "x"], "--vae is of `evaluate explore`"),
+        (["--data", "DATA", "--network", "RUN", "--workers", "0"], "--workers is 0; give 1"),
+    ],
+)
+def test_a_wrong_call_is_told_in_a_sentence(words, message, pictured, runs, tmp_path, monkeypatch,
+                                            capsys):  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    places = {"DATA": str(pictured), "RUN": str(runs / "cascade-0")}
+    words = [places.get(word, word) for word in words]
+    assert main(["evaluate", "image", *words, "-o", "out"]) != 0
+    assert message in capsys.readouterr().err
+
+
+def test_seeds_of_one_name_count_as_one_garment_each():
+    two = [Guesser("ours", "cascade", f"runs/c-{n}/model") for n in (0, 1)]
+    items = [Item(g, "d", "", "test", n, False) for g in two for n in range(3)]
+    record = {"type": "t", "draped": None, "fault": "", "repairs": {}, "panels found": 2}
+    records = {
+        item: record | {"panel_iou": 0.5 + 0.1 * item.number + 0.2 * (item.guesser is two[1])}
+        for item in items
+    }
+    told = summary(items, records)["ours"]["seen"]
+    assert told["panel_iou"]["n"] == 3 and told["panel_iou"]["mean"] == pytest.approx(0.7)
+    assert told["panel_iou by seed"] == {"ours c-0": 0.6, "ours c-1": 0.8}
+
+
+def test_parts_are_those_of_the_first_cascade(tmp_path):
+    assert [g.name for g in with_parts([Guesser("pool", "slots", "x")])] == [
+        "pool", "nearest picture", "another of its type",
+    ]  # fmt: skip
