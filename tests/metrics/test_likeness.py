@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import garmentimage as gi
 from garmentimage.draft.sample import sample
 from garmentimage.metrics import interval, likeness, likeness_summary
+from garmentimage.pattern.model import Side, Stitch
 from tests.metrics.garments import (
     renamed_panels,
     reordered,
@@ -103,8 +104,8 @@ def test_a_wider_panel_loses_overlap_as_much_as_it_is_wider():
 
 def test_nothing_found_is_all_wrong_and_no_error():
     truth = drawn("tee", 0)
-    crossed = transformed_panel(truth, truth.panels[0].name, [[0, 0], [0, 1]])
-    for found in (None, replace(truth, panels=(), stitches=()), crossed):
+    unknown = replace(truth, stitches=(Stitch(Side("x", 0), Side("x", 1)),))
+    for found in (None, replace(truth, panels=(), stitches=()), unknown):
         told = likeness(truth, found)
         assert (told.panel_iou, told.panel_l2, told.by_length.f1) == (0, None, 0)
         assert not told.valid and not told.topology
@@ -134,3 +135,22 @@ def test_an_interval_narrows_with_the_root_of_the_number():
     few, many = interval(values[:400]), interval(values)
     assert (few.high - few.low) / (many.high - many.low) == pytest.approx(4, rel=0.15)
     assert few.high - few.low == pytest.approx(2 * 1.96 * 2 / 20, rel=0.15)
+
+
+def test_a_panel_that_crosses_itself_is_not_valid_and_costs_no_other_panel():
+    truth = drawn("skirt", 2)
+    panel = truth.panels[0]
+    vertices = list(panel.outline.vertices)
+    vertices[0], vertices[1] = vertices[1], vertices[0]
+    crossed = replace(panel, outline=replace(panel.outline, vertices=tuple(vertices)))
+    told = likeness(truth, replace(truth, panels=(crossed, *truth.panels[1:])))
+    assert not told.valid
+    assert 1 - 1 / len(truth.panels) <= told.panel_iou < 1
+
+
+def test_a_panel_without_size_costs_that_panel_only():
+    truth = drawn("skirt", 2)
+    for matrix in ([[1e-9, 0], [0, 1e-9]], [[1e-9, 0], [0, 1]]):
+        flat = transformed_panel(truth, truth.panels[0].name, matrix)
+        told = likeness(truth, flat)
+        assert told.panel_iou == pytest.approx(1 - 1 / len(truth.panels))

@@ -17,7 +17,12 @@ from garmentimage.geometry.polygons import resample
 from garmentimage.metrics.intervals import Interval, interval
 from garmentimage.metrics.matching import aligned_points, loop_polygon, match_panels
 from garmentimage.metrics.stitch_graph import match_graphs, stitch_graph
-from garmentimage.metrics.validity import ratio_faults, structure_faults
+from garmentimage.metrics.validity import (
+    drawing_faults,
+    ratio_faults,
+    stitch_faults,
+    structure_faults,
+)
 from garmentimage.pattern.model import Panel, Pattern, Side
 
 MOST_OF = 0.5
@@ -97,12 +102,20 @@ NOTHING = Scores(0, 0, 0, 0)
 def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
     """Compare a predicted pattern with the true one, which must be valid.
 
+    Panels that cross themselves are read by the even-odd rule, so that they are not all wrong.
+
     Args:
         truth: what it should be.
-        found: what was predicted; None, or one that cannot be cut from cloth, has no panel right.
+        found: what was predicted; None, or one with panels that cannot be drawn or stitches that
+            name nothing, has nothing right.
     """
     missed = Scores(0, 0, 0, len(truth.stitches))
-    if found is None or not found.panels or structure_faults(found):
+    if (
+        found is None
+        or not found.panels
+        or any(drawing_faults(panel) for panel in found.panels)
+        or stitch_faults(found)
+    ):
         return Likeness(0.0, None, False, 0.0, None, None, missed, missed, False, False)
     matching = match_panels(truth, found)
     pairs = [(truth.by_name[p.a], found.by_name[p.b]) for p in matching.pairs]
@@ -113,6 +126,7 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
         match_graphs(*graphs, candidates, check_lengths=False, check_places=False) is not None
     )  # fmt: skip
     turns, moves = zip(*(_standing_apart(a, b) for a, b in pairs))
+    is_valid = not structure_faults(found) and not ratio_faults(graphs[1])
     by_edge, by_length = _stitch_scores(truth, found, matching.panel_map)
     return Likeness(
         panel_iou=matching.mean_iou,
@@ -124,7 +138,7 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
         by_edge=by_edge,
         by_length=by_length,
         topology=is_same,
-        valid=not ratio_faults(graphs[1]),
+        valid=is_valid,
     )
 
 
@@ -174,7 +188,10 @@ def _standing_apart(a: Panel, b: Panel) -> tuple[float, float]:
         panel.to_world(points) for panel, points in zip((a, b), aligned_points(a, b), strict=True)
     )
     apart = float(np.linalg.norm(ours.mean(0) - theirs.mean(0)))
-    turn, _ = Rotation.align_vectors(theirs - theirs.mean(0), ours - ours.mean(0))
+    ours, theirs = ours - ours.mean(0), theirs - theirs.mean(0)
+    if np.abs(theirs).max() < 1e-6:  # a panel of no size stands in no direction
+        return 0.0, apart
+    turn, _ = Rotation.align_vectors(theirs, ours)
     return float(np.degrees(turn.magnitude())), apart
 
 
@@ -252,4 +269,4 @@ def _in_a_box(points: np.ndarray, panel: Panel) -> np.ndarray:
     """Points seen from the box round a panel's outline, whose sides are 1 long."""
     corners = loop_polygon(panel.outline)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    return (points - low) / (high - low)
+    return np.asarray((points - low) / np.maximum(high - low, 1e-9))

@@ -33,17 +33,12 @@ def panel_faults(panel: Panel) -> list[str]:
     """Why a panel cannot be cut from cloth."""
     import shapely
 
+    if faults := drawing_faults(panel):
+        return faults
     where = f"panel {panel.name!r}"
     for number, loop in enumerate(panel.loops):
-        what = "the outline" if number == 0 else f"hole {number}"
-        if len(loop.edges) < 2:
-            return [f"{where}: {what} has {len(loop.edges)} edges"]
-        if any(e.end != f.start for e, f in zip(loop.edges, loop.edges[1:] + loop.edges[:1])):
-            return [f"{where}: {what} is not closed"]
-        polygon = loop_polygon(loop)
-        if not np.isfinite(polygon).all():
-            return [f"{where}: {what} has coordinates that are not finite"]
-        ring: Any = shapely.Polygon(polygon)
+        what = _called(number)
+        ring: Any = shapely.Polygon(loop_polygon(loop))
         if not ring.is_valid:
             return [f"{where}: {what} crosses itself ({shapely.is_valid_reason(ring)})"]
         if ring.area <= 0:
@@ -55,6 +50,24 @@ def panel_faults(panel: Panel) -> list[str]:
         if not cloth.is_valid:
             return [f"{where}: holes leave the panel or meet ({shapely.is_valid_reason(cloth)})"]
     return []
+
+
+def drawing_faults(panel: Panel) -> list[str]:
+    """Why a panel cannot even be drawn: loops of too few edges, open ones, no numbers."""
+    where = f"panel {panel.name!r}"
+    for number, loop in enumerate(panel.loops):
+        what = _called(number)
+        if len(loop.edges) < 2:
+            return [f"{where}: {what} has {len(loop.edges)} edges"]
+        if any(e.end != f.start for e, f in zip(loop.edges, loop.edges[1:] + loop.edges[:1])):
+            return [f"{where}: {what} is not closed"]
+        if not np.isfinite(loop_polygon(loop)).all():
+            return [f"{where}: {what} has coordinates that are not finite"]
+    return []
+
+
+def _called(loop: int) -> str:
+    return "the outline" if loop == 0 else f"hole {loop}"
 
 
 def stitch_faults(pattern: Pattern) -> list[str]:
