@@ -22,7 +22,7 @@ IMAGE = {"seen": 1000, "unseen": 500, "parts": 300, "draped": 200}
 """How many of each are measured, by subject."""
 ONLY_OF = {
     "explore": ("vae", "vectors", *EXPLORE),
-    "image": ("recipe", "network", *IMAGE),
+    "image": ("recipe", "network", "validation", *IMAGE),
 }
 OF_RUN = ("network", "settings", "config", "without")
 SHOWN = 3
@@ -56,6 +56,12 @@ def evaluate_arguments(parser: argparse.ArgumentParser) -> None:
             parser.add_argument(
                 f"--{name}", type=whole_number, metavar="N", help=f"{subject}: ({default})"
             )
+    parser.add_argument(
+        "--validation",
+        action="store_true",
+        default=None,
+        help="image: on the validation split, for choices; unseen is what --without left out",
+    )
     parser.add_argument("--workers", type=whole_number, default=2, metavar="N", help="(2)")
 
 
@@ -173,6 +179,7 @@ def _run_image(options: argparse.Namespace) -> Exit:
     if options.recipe not in (None, recipe):
         raise LearnError(f"{shown_path(data)}: is of recipe {recipe}, not {quoted(options.recipe)}")
     amounts = Amounts(**_amounts(options, IMAGE, 0))
+    validation = bool(options.validation)
     runs = options.network or _runs(recipe)
     if not runs:
         raise LearnError(
@@ -180,7 +187,7 @@ def _run_image(options: argparse.Namespace) -> Exit:
         )
     tables: list[str] = []
     results: dict[str, Any] = {}
-    for held_out, guessers in groups(named(runs), data).items():
+    for held_out, guessers in groups(named(runs), data, validation=validation).items():
         folder = options.out / _folder(held_out) if held_out else options.out
         every = with_parts(guessers)
         with _Bar() as bar:
@@ -190,15 +197,22 @@ def _run_image(options: argparse.Namespace) -> Exit:
                 folder,
                 amounts,
                 held_out=held_out,
+                validation=validation,
                 workers=options.workers,
                 progress=bar.at,
             )
         results[held_out] = told | {"networks": _facts(guessers)}
         tables.append(f"{held_out}\n\n{image_table(told['figures'])}".lstrip())
-        _draw_guesses(folder, every, str(data), held_out, amounts)
+        if not validation:
+            _draw_guesses(folder, every, str(data), held_out, amounts)
     whole: dict[str, Any] = results.get("", {"held out": results})
-    result = {**_provenance(recipe), "data_sha256": dataset_hash(data),
-              "amounts": vars(amounts), **whole}  # fmt: skip
+    result = {
+        **_provenance(recipe),
+        "data_sha256": dataset_hash(data),
+        "split": "validation" if validation else "test",
+        "amounts": vars(amounts),
+        **whole,
+    }
     _put(options.out, result, "\n".join(tables))
     return _say(options, options.out, result, "\n".join(tables))
 

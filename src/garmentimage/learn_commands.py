@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 BASELINES = ("panel-transformer", "panel-recurrent", "panel-pool")
 NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES)
-DEPARTURES, EVERYTHING = ("losses", "noise", "weights"), "all"
+DEPARTURES, EVERYTHING = ("losses", "noise", "weights", "own"), "all"
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
 ONLY_OF = {

@@ -125,6 +125,17 @@ def test_a_type_held_out_is_measured_as_unseen_and_must_have_been_left_out(
         evaluate(wrong, pictured, tmp_path / "two", amounts, held_out="top + pants", workers=1)
 
 
+def test_choices_are_made_on_the_validation_split_and_open_no_test(pictured, tmp_path):
+    amounts = Amounts(seen=2, unseen=0, parts=0, draped=0)
+    evaluate(
+        [Guesser("another", "random")], pictured, tmp_path, amounts, validation=True, workers=1
+    )
+    assert sorted(f.name for f in tmp_path.iterdir()) == [
+        "run.json",
+        "validation-seen-another.jsonl",
+    ]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

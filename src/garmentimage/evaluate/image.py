@@ -66,11 +66,14 @@ class Item:
     split: str
     number: int
     worn: bool
+    validation: bool = False
+    """Of the validation split instead of those for test."""
 
     @property
     def name(self) -> str:
         """Of the records that it is one of."""
-        return f"{CALLED[self.split]}-{self.guesser.key}"
+        start = "validation-" if self.validation else ""
+        return f"{start}{CALLED[self.split]}-{self.guesser.key}"
 
 
 def with_parts(guessers: Sequence[Guesser]) -> list[Guesser]:
@@ -99,6 +102,7 @@ def evaluate(
     amounts: Amounts = Amounts(),
     *,
     held_out: str = "",
+    validation: bool = False,
     workers: int = 2,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> dict[str, Any]:
@@ -111,6 +115,8 @@ def evaluate(
         amounts: how many garments.
         held_out: a type of the dataset that the networks were trained without; its test garments
             are the unseen ones. Empty: those of the split `unseen`.
+        validation: measure on the validation split: what choices are made by. There, garments are
+            unseen if their type is the one held out.
         workers: processes.
         progress: called with how many items are done, and of how many.
 
@@ -129,14 +135,14 @@ def evaluate(
             _check_training(guesser, told["data_sha256"], held_out)
             guessing(guesser, str(data))
     kept = Records(folder, asdict(amounts), {each.key: told | _hash(each) for each in guessers})
-    items = _items(guessers, str(data), held_out, amounts)
+    items = _items(guessers, str(data), held_out, amounts, validation)
     records = {}
     for item in items:
         record = kept.kept(item.name, item.number)
         if record is not None and (not item.worn or record["draped"] is not None):
             records[item] = record
     missing = [item for item in items if item not in records]
-    if missing:
+    if missing and not validation:
         _log(folder, missing)
     progress(len(records), len(items))
     for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
@@ -154,7 +160,7 @@ def evaluate(
 
 def measured(item: Item) -> dict[str, Any]:
     """The record of an item."""
-    album, patterns = garments(item.data, item.split, item.held_out)
+    album, patterns = garments(item.data, item.split, item.held_out, item.validation)
     guess = guessing(item.guesser, item.data)(album, item.number)
     truth = patterns[item.number]
     found = likeness(truth, guess.pattern)
@@ -314,15 +320,20 @@ def run_of(guesser: Guesser) -> dict[str, Any]:
         raise LearnError(f"{shown_path(file)}: is damaged") from None
 
 
-def groups(guessers: Sequence[Guesser], data: Path) -> dict[str, list[Guesser]]:
+def groups(
+    guessers: Sequence[Guesser], data: Path, *, validation: bool = False
+) -> dict[str, list[Guesser]]:
     """Guessers by the type that their networks were trained without; "" where splits tell it.
+
+    For validation they never tell it.
 
     Raises:
         LearnError: it is not known of a network, or there is no such type and no unseen split.
     """
     from garmentimage.dataset.read import shard_files
 
-    if any(file.name.startswith("unseen-") for file in shard_files(data)):
+    is_told = any(file.name.startswith("unseen-") for file in shard_files(data))
+    if is_told and not (validation and any(run_of(each).get("without") for each in guessers)):
         return {"": list(guessers)}
     found: dict[str, list[Guesser]] = {}
     for guesser in guessers:
@@ -336,21 +347,34 @@ def groups(guessers: Sequence[Guesser], data: Path) -> dict[str, list[Guesser]]:
     return found
 
 
-def _items(guessers: Sequence[Guesser], data: str, held_out: str, amounts: Amounts) -> list[Item]:
+def _items(
+    guessers: Sequence[Guesser], data: str, held_out: str, amounts: Amounts, validation: bool
+) -> list[Item]:
     items = []
     for split in SPLITS:
-        album, _ = garments(data, split, held_out)
+        if not amounts.of(split):
+            continue
+        album, _ = garments(data, split, held_out, validation)
         if len(album.ids) < amounts.of(split):
             raise LearnError(
-                f"{shown_path(data)}: has {len(album.ids)} {CALLED[split]} garments for test; this "
-                f"takes {amounts.of(split)} (--{CALLED[split]})"
+                f"{shown_path(data)}: has {len(album.ids)} {CALLED[split]} garments for "
+                f"{'validation' if validation else 'test'}; this takes {amounts.of(split)} "
+                f"(--{CALLED[split]})"
             )
         order = order_of(album)
         for guesser in guessers:
             is_part = guesser.level != "full" or guesser.kind in GIVEN
             count = min(amounts.parts, amounts.of(split)) if is_part else amounts.of(split)
             items += [
-                Item(guesser, data, held_out, split, number, not is_part and k < amounts.draped)
+                Item(
+                    guesser,
+                    data,
+                    held_out,
+                    split,
+                    number,
+                    worn=not is_part and k < amounts.draped,
+                    validation=validation,
+                )
                 for k, number in enumerate(order[:count])
             ]
     return items
@@ -363,16 +387,19 @@ def order_of(album: "Album") -> list[int]:
 
 
 @cache
-def garments(data: str, split: str, held_out: str) -> "tuple[Album, list[Pattern]]":
-    """Test garments with their patterns, of seen types or unseen ones."""
+def garments(
+    data: str, split: str, held_out: str, validation: bool = False
+) -> "tuple[Album, list[Pattern]]":
+    """Garments to measure on, with their patterns: of seen types or unseen ones."""
     from garmentimage.dataset.read import patterns_of
     from garmentimage.learn.pictured import read_album
 
+    place = "validation" if validation else "test"
     if held_out:
         without = {held_out} if split == "test" else _types(data) - {held_out}
-        album = read_album(data, "test", without=sorted(without))
+        album = read_album(data, place, without=sorted(without))
     else:
-        album = read_album(data, split)
+        album = read_album(data, place if split == "test" else split)
     return album, patterns_of(album.patterns, data)
 
 
