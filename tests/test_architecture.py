@@ -29,6 +29,7 @@ ROOMS = (
     {"explore"},
     {"predict"},
     {"learn"},
+    {"text"},
     {"evaluate"},
 )
 """The way the data goes; a room imports from itself and from what stands before its step.

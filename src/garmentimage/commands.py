@@ -58,6 +58,7 @@ from garmentimage.terminal import (
     say,
     warn,
 )
+from garmentimage.text_commands import edit_arguments, run_edit
 
 if TYPE_CHECKING:
     from garmentimage.metrics.roundtrip import FileReport
@@ -438,6 +439,7 @@ COMMANDS = (
     Command("transfer", "what C becomes by the edit from A to B", transfer_arguments, run_transfer),
     Command("generate", "draw new garments from a seed", generate_arguments, run_generate),
     Command("nearest", "find the nearest training garments", nearest_arguments, run_nearest),
+    Command("edit", "what a text makes of a garment: 'long sleeves'", edit_arguments, run_edit),
     Command("predict", "the pattern of a garment in a picture", predict_arguments, run_predict),
     Command("evaluate", "measure networks on held-out garments", evaluate_arguments, run_evaluate),
 )

@@ -55,7 +55,7 @@ def run_interpolate(options: argparse.Namespace) -> Exit:
     from garmentimage.explore.walk import interpolate
 
     space = _space(options)
-    a, b = (_given(space, path) for path in (options.first, options.last))
+    a, b = (read_given(space, path) for path in (options.first, options.last))
     steps = interpolate(space, _image(a), _image(b), options.steps)
     columns = [Column(f"step-{k}", f"{k}/{len(steps) - 1}", step) for k, step in enumerate(steps)]
     ends = Column("", "A, as given", a), Column("", "B, as given", b)
@@ -87,7 +87,7 @@ def run_transfer(options: argparse.Namespace) -> Exit:
 
     space = _space(options)
     paths = (options.before, options.after, options.garment)
-    a, b, c = (_given(space, path) for path in paths)
+    a, b, c = (read_given(space, path) for path in paths)
     strengths = STRENGTHS if options.strength is None else (options.strength,)
     images = (_image(each) for each in (a, b, c))
     edited = transfer(space, *images, settle=options.settle, strengths=strengths)
@@ -131,14 +131,14 @@ def run_nearest(options: argparse.Namespace) -> Exit:
     from garmentimage.render.show import compose, picture_bytes
 
     space = _space(options)
-    source = _given(space, options.garment)
+    source = read_given(space, options.garment)
     found = nearest(space, _image(source), options.count)
     results: dict[str | PathLike[str], bytes | str] = {
         options.out / f"{row_id}.json": pattern_text(pattern) for row_id, _, pattern in found
     }
     start = f"{space.config['recipe']}-"
     told = [f"{row_id.removeprefix(start)}, {apart:.2f} away" for row_id, apart, _ in found]
-    assert source.pattern is not None  # `_given` has one
+    assert source.pattern is not None  # `read_given` has one
     figure = compose(
         [source.pattern, *(pattern for *_, pattern in found)], titles=[options.garment.stem, *told]
     )
@@ -173,18 +173,42 @@ def _common(parser: argparse.ArgumentParser) -> None:
 def _space(options: argparse.Namespace) -> "LatentSpace":
     from garmentimage.explore.space import LatentSpace
 
-    try:
-        is_file = options.out.exists() and not options.out.is_dir()
-    except OSError as error:
-        raise LearnError(
-            f"{shown_path(options.out)}: cannot be used ({error.strerror}); choose another folder"
-        ) from None
-    if is_file:
-        raise LearnError(f"{shown_path(options.out)}: is a file; name a folder for the results")
+    check_folder(options.out)
     return LatentSpace.load(options.space)
 
 
-def _given(space: "LatentSpace", path: Path) -> "Step":
+def check_folder(out: Path) -> None:
+    """Refuse what cannot be a folder of results, before any work is done.
+
+    Raises:
+        LearnError: it is a file, or cannot be looked at.
+    """
+    try:
+        is_file = out.exists() and not out.is_dir()
+    except OSError as error:
+        raise LearnError(
+            f"{shown_path(out)}: cannot be used ({error.strerror}); choose another folder"
+        ) from None
+    if is_file:
+        raise LearnError(f"{shown_path(out)}: is a file; name a folder for the results")
+
+
+def make_folder(out: Path) -> None:
+    """The folder of results, made where it is not there.
+
+    Raises:
+        LearnError: it cannot be.
+    """
+    check_folder(out)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LearnError(
+            f"{shown_path(out)}: cannot be made ({error.strerror}); choose another folder"
+        ) from None
+
+
+def read_given(space: "LatentSpace", path: Path) -> "Step":
     """A garment of the user's, and a warning where the network has not seen the like."""
     source: Pattern | GarmentImage
     if path.suffix.lower() in IMAGE_SUFFIXES:
@@ -266,12 +290,7 @@ def _remove_older(
 
 
 def _put(options: argparse.Namespace, results: Mapping[str | PathLike[str], bytes | str]) -> None:
-    try:
-        options.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LearnError(
-            f"{shown_path(options.out)}: cannot be made ({error.strerror}); choose another folder"
-        ) from None
+    make_folder(options.out)
     write_together(results)
 
 

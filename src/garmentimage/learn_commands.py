@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from garmentimage.learn.train import Settings
 
 BASELINES = ("panel-transformer", "panel-recurrent", "panel-pool")
-NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES)
+NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES, "image-decoder", "denoiser")
 DEPARTURES, EVERYTHING = ("losses", "noise", "weights", "own"), "all"
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
@@ -26,6 +26,7 @@ ONLY_OF = {
     "without": ("cascade", *BASELINES),
     "as_paper": ("cascade",),
     "resnet": BASELINES,
+    "vae": ("image-decoder",),
 }
 """Options that not all networks have."""
 MOST_SEED, MOST_BETA = 2**31 - 1, 1000.0
@@ -59,6 +60,9 @@ def train_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resnet", type=Path, metavar="FOLDER", help="baselines: ResNet that sees, pretrained"
     )
+    parser.add_argument(
+        "--vae", type=Path, metavar="FOLDER", help="image-decoder: the trained VAE that it follows"
+    )
     parser.add_argument("--accelerator", metavar="KIND", help=", ".join(ACCELERATORS))
     parser.add_argument("--devices", type=whole_number, metavar="N", help="on each node (1)")
     parser.add_argument("--nodes", type=whole_number, metavar="N", help="machines (1)")
@@ -80,7 +84,9 @@ def run_train(options: argparse.Namespace) -> Exit:
     parts = tuple(DEPARTURES) if EVERYTHING in options.as_paper else tuple(options.as_paper)
     what = lesson(
         options.network,
-        Wanted(options.data, options.beta, tuple(options.without), parts, options.resnet),
+        Wanted(
+            options.data, options.beta, tuple(options.without), parts, options.resnet, options.vae
+        ),
     )
     torch.manual_seed(settings.seed)
     facts = {"network": options.network, "config": asdict(what.config), **what.facts}
@@ -190,7 +196,7 @@ def _told(
 
 def _command(options: argparse.Namespace) -> str:
     """What trains the same network again."""
-    names = (*OF_SETTINGS, "beta", "resnet")
+    names = (*OF_SETTINGS, "beta", "resnet", "vae")
     given = [(name, getattr(options, name)) for name in names]
     given += [(n, each) for n in ("without", "as_paper") for each in getattr(options, n)]
     words = [

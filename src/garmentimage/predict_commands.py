@@ -6,7 +6,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from garmentimage.errors import LearnError
+from garmentimage.explore_commands import make_folder
 from garmentimage.files import safe_name, shown_path, write_together
 from garmentimage.terminal import Exit, list_facts, one_line, print_json
 
@@ -33,7 +33,7 @@ def run_predict(options: argparse.Namespace) -> Exit:
     from garmentimage.explore.strip import shown
     from garmentimage.predict.network import DEFAULT, PatternPredictor
 
-    _make_folder(options.out)
+    make_folder(options.out)
     network = PatternPredictor.load(options.network or DEFAULT)
     told: list[dict[str, Any]] = []
     for path in tqdm(options.images, unit="picture", disable=None, file=sys.stderr):
@@ -47,17 +47,6 @@ def run_predict(options: argparse.Namespace) -> Exit:
     if options.json:
         print_json({"out": str(options.out), "garments": told})
     return Exit.OK
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise LearnError(f"{shown_path(out)}: is a file; name a folder for the results") from None
-    except OSError as error:
-        raise LearnError(
-            f"{shown_path(out)}: cannot be made ({error.strerror}); choose another folder"
-        ) from None
 
 
 def _free_name(path: Path, taken: list[str]) -> str:

@@ -1,10 +1,13 @@
 """Where a result comes from: the commit of this package, and the versions of what it stands on."""
 
+import hashlib
 import platform
 import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+WEIGHT_FILES = ("decoder.onnx", "encoder.onnx", "model.safetensors", "predictor.onnx")
+"""Files that tell a network from others."""
 PACKAGES = ("garmentimage", "numpy", "numba", "scipy", "shapely", "pillow")
 
 
@@ -29,6 +32,15 @@ def versions(*more: str) -> list[str]:
         except PackageNotFoundError:
             continue
     return found
+
+
+def weights_hash(folder: Path) -> str:
+    """SHA-256 of a network's files."""
+    digest = hashlib.sha256()
+    for name in WEIGHT_FILES:
+        if (folder / name).is_file():
+            digest.update((folder / name).read_bytes())
+    return digest.hexdigest()
 
 
 def _git(folder: Path, *words: str) -> str | None:

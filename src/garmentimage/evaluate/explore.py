@@ -28,13 +28,14 @@ from garmentimage.evaluate.garment import (
     seen,
     silhouette_distance,
 )
-from garmentimage.evaluate.records import Records, weights_hash
+from garmentimage.evaluate.records import Records
 from garmentimage.explore.space import LatentSpace, Step
 from garmentimage.explore.walk import edit
 from garmentimage.files import shown_path
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
+from garmentimage.provenance import weights_hash
 from garmentimage.raster.repair import RepairLevel
 
 STEPS = 9

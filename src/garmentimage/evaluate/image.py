@@ -19,12 +19,12 @@ from garmentimage.dataset.sheet import dataset_hash
 from garmentimage.errors import DatasetError, LearnError, quoted
 from garmentimage.evaluate.garment import seen
 from garmentimage.evaluate.guesses import GIVEN, Guesser, guessing
-from garmentimage.evaluate.records import RUN_FILE, Records, weights_hash
+from garmentimage.evaluate.records import RUN_FILE, Records
 from garmentimage.files import shown_path
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.likeness import likeness
 from garmentimage.metrics.workers import Lost, map_in_processes
-from garmentimage.provenance import source_commit
+from garmentimage.provenance import source_commit, weights_hash
 from garmentimage.raster.repair import LEVELS
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 `run.json` tells what they are records of; those of other networks, data or amounts are refused.
 """
 
-import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,8 +12,6 @@ from garmentimage.errors import LearnError
 from garmentimage.files import shown_path, write_atomically
 
 RUN_FILE = "run.json"
-WEIGHTS = ("model.safetensors", "decoder.onnx", "encoder.onnx", "predictor.onnx")
-"""Files of a network that tell it from others."""
 
 
 class Records:
@@ -91,12 +88,3 @@ class Records:
             raise LearnError(
                 f"{shown_path(file)}: is damaged; remove it, and what it holds is measured again"
             ) from None
-
-
-def weights_hash(folder: Path) -> str:
-    """SHA-256 of a network's files."""
-    digest = hashlib.sha256()
-    for name in sorted(WEIGHTS):
-        if (folder / name).is_file():
-            digest.update((folder / name).read_bytes())
-    return digest.hexdigest()

@@ -44,6 +44,8 @@ class Shown:
     """None where it cannot be draped."""
     faults: tuple[str, ...]
     """Why it cannot be sewn or worn; empty where it can."""
+    picture: UInt8[np.ndarray, "row col 3"] | None = None
+    """What is drawn where it is not draped."""
 
 
 def shown(title: str, step: Step) -> Shown:
@@ -131,9 +133,13 @@ def _draw(
         draw_pattern(column.step.pattern, axes(floor, PATTERN_IN))
     if column.step.image is not None:
         draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
-    if column.worn is None:
+    if column.worn is not None:
+        pixels = photograph(column.worn, ONE_COLOUR, size=WORN_PIXELS).colour
+    elif column.picture is not None:
+        pixels = column.picture
+    else:
         write(WORN_IN / 2, "cannot be worn", 7, FAINT)
         return
     picture = axes(0.0, WORN_IN)
-    picture.imshow(photograph(column.worn, ONE_COLOUR, size=WORN_PIXELS).colour)
+    picture.imshow(pixels)
     picture.set_axis_off()

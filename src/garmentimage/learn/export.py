@@ -68,12 +68,11 @@ def export(
     """
     model = model.cpu().eval()
     grid, latent = model.config.grid, model.config.latent
-    halves = {name: value.half().contiguous() for name, value in model.state_dict().items()}
     folder.mkdir(parents=True, exist_ok=True)
     write_together(
         {
             folder / CONFIG: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
-            folder / WEIGHTS: save(halves, {"format": "pt"}),
+            folder / WEIGHTS: half_bytes(model),
             folder / ENCODER: _onnx(
                 _Encoder(model), torch.zeros(2, INPUTS, grid, grid), "channels", "z"
             ),
@@ -108,13 +107,12 @@ def export_cascade(
     """
     model = model.cpu().eval()
     size = model.config.picture
-    halves = {name: value.half().contiguous() for name, value in model.state_dict().items()}
     told = {**asdict(model.config), **facts, "wearer": asdict(_wearer(known))}
     folder.mkdir(parents=True, exist_ok=True)
     write_together(
         {
             folder / CONFIG: json.dumps(told, indent=1) + "\n",
-            folder / WEIGHTS: save(halves, {"format": "pt"}),
+            folder / WEIGHTS: half_bytes(model),
             folder / PREDICTOR: _onnx(
                 _Predictor(model), torch.zeros(2, 3, size, size), "picture", "channels"
             ),
@@ -122,6 +120,12 @@ def export_cascade(
             folder / CARD: card,
         }
     )
+
+
+def half_bytes(model: nn.Module) -> bytes:
+    """A network's weights as 16-bit floats, a safetensors file."""
+    halves = {name: value.half().contiguous() for name, value in model.state_dict().items()}
+    return save(halves, {"format": "pt"})
 
 
 def _rows(album: Album, most: int) -> list[np.ndarray]:

@@ -1,7 +1,8 @@
 """What can be trained: for each network what it is, what it learns from, and how it is kept."""
 
+import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,11 @@ import torch
 from torch import nn
 
 from garmentimage.errors import LearnError
-from garmentimage.learn.export import CARD, export, export_cascade
+from garmentimage.explore.space import CONFIG
+from garmentimage.files import write_together
+from garmentimage.learn.export import CARD, WEIGHTS, export, export_cascade, half_bytes
 from garmentimage.learn.train import Examples
+from garmentimage.provenance import weights_hash
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,8 @@ class Wanted:
     """Which of our departures from the paper's cascade are left out, see `DEPARTURES`."""
     resnet: Path | None = None
     """Folder of a ResNet that looks at the pictures for a baseline."""
+    vae: Path | None = None
+    """Folder of the VAE whose latent vectors become pictures."""
 
 
 @dataclass(frozen=True)
@@ -162,6 +168,53 @@ def slot_lesson(wanted: Wanted, name: str) -> Lesson:
     )
 
 
+def image_decoder_lesson(wanted: Wanted) -> Lesson:
+    """Latent vectors of a trained VAE to pictures."""
+    from garmentimage.learn.captioned import worn
+    from garmentimage.learn.garment_vae import GarmentVAE
+    from garmentimage.learn.image_decoder import ImageDecoder, ImageDecoderConfig
+    from garmentimage.learn.pictured import read_album
+    from garmentimage.learn.weights import load_weights
+
+    if wanted.vae is None:
+        raise LearnError("name the VAE whose latent vectors become pictures with --vae")
+    vae = load_weights(GarmentVAE, wanted.vae)
+    known, held_out = (
+        worn(read_album(wanted.data, split), vae) for split in ("train", "validation")
+    )
+    config = ImageDecoderConfig(known.latents.shape[1], known.pictures.shape[-1])
+    return Lesson(
+        "Latent vectors to pictures",
+        f"{config.latent} numbers of a GarmentImage VAE to a picture of the worn garment, "
+        f"{config.picture} x {config.picture} pixels, as in Section 4.2 of the paper.",
+        config,
+        lambda: _channels_last(ImageDecoder(config)),
+        known,
+        held_out,
+        _save_halves,
+        {"vae_sha256": weights_hash(wanted.vae)},
+    )
+
+
+def denoiser_lesson(wanted: Wanted) -> Lesson:
+    """A small diffusion model of captioned pictures."""
+    from garmentimage.learn.captioned import read_captioned
+    from garmentimage.learn.denoiser import Denoiser, DenoiserConfig
+
+    known, held_out = (read_captioned(wanted.data, split) for split in ("train", "validation"))
+    config = DenoiserConfig(known.pictures.shape[-1], known.meanings.shape[1])
+    return Lesson(
+        "Denoiser",
+        f"A diffusion model of pictures of worn garments, {config.picture} x {config.picture} "
+        "pixels, told what they show by a sentence vector of all-MiniLM-L6-v2.",
+        config,
+        lambda: _channels_last(Denoiser(config)),
+        known,
+        held_out,
+        _save_halves,
+    )
+
+
 def lesson(network: str, wanted: Wanted) -> Lesson:
     """What a network learns.
 
@@ -171,7 +224,13 @@ def lesson(network: str, wanted: Wanted) -> Lesson:
     """
     from garmentimage.learn.slot_networks import SLOT_NETWORKS
 
-    lessons = {"vae": vae_lesson, "vector-vae": vector_vae_lesson, "cascade": cascade_lesson}
+    lessons = {
+        "vae": vae_lesson,
+        "vector-vae": vector_vae_lesson,
+        "cascade": cascade_lesson,
+        "image-decoder": image_decoder_lesson,
+        "denoiser": denoiser_lesson,
+    }
     if network in SLOT_NETWORKS:
         return slot_lesson(wanted, network)
     if network not in lessons:
@@ -190,3 +249,15 @@ def _channels_last(model: nn.Module) -> nn.Module:
 def _save_pretrained(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
     model.save_pretrained(folder)
     (folder / CARD).write_text(card, encoding="utf-8")
+
+
+def _save_halves(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
+    """Weights as 16-bit floats: for use, and small."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_together(
+        {
+            folder / CONFIG: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
+            folder / WEIGHTS: half_bytes(model),
+            folder / CARD: card,
+        }
+    )

@@ -1,0 +1,111 @@
+"""Pictures with their latent vectors, and pictures with wordings: what editing by text learns."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float, Int, UInt8
+from torch import Tensor
+
+from garmentimage.dataset.read import tables
+from garmentimage.dataset.wording import worded
+from garmentimage.learn.garment_vae import GarmentVAE
+from garmentimage.learn.pictured import PICTURE, Album, pixels
+from garmentimage.learn.sentences import embedded
+
+WORDINGS = 8
+"""Of each garment."""
+SEED = 41
+
+
+@dataclass  # not frozen: Fabric casts its fields where precision is mixed
+class Worn:
+    """Pictures of garments, and their latent vectors."""
+
+    latents: Float[Tensor, "n latent"]
+    spread: Float[Tensor, "n latent"]
+    """Standard deviation of the encoder."""
+    pictures: UInt8[Tensor, "n 3 pixel_row pixel_col"]
+    """The lowest row first."""
+
+    def __len__(self) -> int:
+        return len(self.pictures)
+
+    def batch(self, numbers: Tensor) -> "Worn":
+        """Some of them."""
+        return Worn(self.latents[numbers], self.spread[numbers], self.pictures[numbers])
+
+    def to(self, device: torch.device) -> "Worn":
+        """The same on another device."""
+        return Worn(self.latents.to(device), self.spread.to(device), self.pictures.to(device))
+
+    def seen(self) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
+        """Colours from 0 to 1."""
+        return self.pictures.float() / 255
+
+
+@torch.no_grad()
+def worn(album: Album, model: GarmentVAE) -> Worn:
+    """The garments of an album in a VAE's latent space."""
+    rasters = album.garments.rasters
+    parts = torch.arange(len(rasters)).split(256)
+    found = [model.encode(rasters.batch(part).inputs()) for part in parts]
+    latents = torch.cat([mean for mean, _ in found])
+    logs = torch.cat([log_variance for _, log_variance in found])
+    return Worn(latents, (0.5 * logs).exp(), album.garments.pictures)
+
+
+@dataclass  # not frozen either
+class Captioned:
+    """Pictures, and numbers of what may be said of them."""
+
+    pictures: UInt8[Tensor, "n 3 pixel_row pixel_col"]
+    """The lowest row first."""
+    wordings: Int[Tensor, "n wording"]
+    meanings: Float[Tensor, "meaning text"]
+    """Sentence vectors of all wordings."""
+
+    def __len__(self) -> int:
+        return len(self.pictures)
+
+    def batch(self, numbers: Tensor) -> "Captioned":
+        """Some of them, each with one of its wordings."""
+        chosen = torch.randint(self.wordings.shape[1], (len(numbers),))
+        said = self.wordings[numbers, chosen]
+        return Captioned(self.pictures[numbers], said[:, None], self.meanings[said])
+
+    def to(self, device: torch.device) -> "Captioned":
+        """The same on another device."""
+        return Captioned(
+            self.pictures.to(device), self.wordings.to(device), self.meanings.to(device)
+        )
+
+    def seen(self) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
+        """Colours from 0 to 1."""
+        return self.pictures.float() / 255
+
+
+def read_captioned(folder: Path, split: str) -> Captioned:
+    """All pictures of a split, with wordings drawn from the parameters of their garments.
+
+    Raises:
+        DatasetError: there is no such split, or it has no pictures from the front.
+        LearnError: the sentence encoder is not installed.
+    """
+    pictures: list[np.ndarray] = []
+    said: list[list[str]] = []
+    for table in tables(folder, split, ["kind", "parameters", PICTURE]):
+        pictures += [pixels(each["bytes"]) for each in table[PICTURE].to_pylist()]
+        for kind, text in zip(table["kind"].to_pylist(), table["parameters"].to_pylist()):
+            random = np.random.default_rng([SEED, len(said)])
+            given = json.loads(text)
+            said.append([worded(kind, given, random) for _ in range(WORDINGS)])
+    every = sorted({wording for wordings in said for wording in wordings})
+    numbers = {wording: k for k, wording in enumerate(every)}
+    return Captioned(
+        torch.from_numpy(np.stack(pictures)),
+        torch.tensor([[numbers[wording] for wording in wordings] for wordings in said]),
+        torch.from_numpy(embedded(every)),
+    )

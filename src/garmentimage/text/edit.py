@@ -1,0 +1,228 @@
+"""Editing a garment by text: its latent vector is moved until its picture shows what is said."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from jaxtyping import UInt8
+
+from garmentimage.errors import LearnError, quoted
+from garmentimage.explore.space import (
+    Latent,
+    LatentSpace,
+    Step,
+    network_folder,
+    shipped_names,
+    space_names,
+)
+from garmentimage.learn.image_decoder import ImageDecoder
+from garmentimage.learn.weights import load_weights
+from garmentimage.pattern.model import Pattern
+from garmentimage.raster.image import GarmentImage
+from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
+
+SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
+"""Networks that come with the package."""
+MOST_TEXT = 500
+"""Characters of a text."""
+STRENGTHS, STEPS = (0.05, 20.0), (1, 5000)
+"""Least and most of what may be asked."""
+PULL = 0.02
+"""What the squared distance from the start costs at strength 1."""
+RATE, AT_ONCE = 0.06, 4
+"""Learning rate, and pictures with noise of their own in each step."""
+STEPS_USUAL = 150
+FRAMES = 6
+"""Steps that are kept for the strip, with both ends."""
+SETTLE = 1
+"""Times that the result is decoded and encoded again."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A moment of an edit."""
+
+    number: int
+    """Steps made so far."""
+    step: Step
+    picture: UInt8[np.ndarray, "row col 3"]
+    """What the network thinks that it looks like."""
+
+
+@dataclass(frozen=True)
+class TextEdit:
+    """A garment, and what a text made of it."""
+
+    given: Step
+    frames: tuple[Frame, ...]
+    """From the start to the end."""
+    result: Step
+
+
+class TextEditor:
+    """Networks that edit garments by text.
+
+    Args:
+        space: latent vectors and garments.
+        pictures: latent vectors and pictures of worn garments.
+
+    Raises:
+        LearnError: both are not for latent vectors of one size.
+    """
+
+    def __init__(self, space: LatentSpace, pictures: ImageDecoder) -> None:
+        if space.latent != pictures.config.latent:
+            raise LearnError(
+                f"{space.folder.name} has latent vectors of {space.latent} numbers, the picture "
+                f"network takes {pictures.config.latent}; name two that were trained together"
+            )
+        self.space, self.pictures = space, pictures.eval()
+
+    @classmethod
+    def load(cls, space: str | Path = SPACE, pictures: str | Path = PICTURES) -> "TextEditor":
+        """Networks that come with the package, by name, or those in folders.
+
+        Raises:
+            LearnError: there are none of those names, and no such folders.
+        """
+        folder = network_folder(pictures, picture_names(), "picture network")
+        return cls(
+            LatentSpace(network_folder(space, space_names(), "latent space")),
+            load_weights(ImageDecoder, folder),
+        )
+
+    def edit(
+        self,
+        source: Pattern | GarmentImage,
+        text: str,
+        guidance: Guidance,
+        *,
+        strength: float = 1.0,
+        steps: int = STEPS_USUAL,
+        progress: Callable[[int, int], None] = lambda done, steps: None,
+    ) -> TextEdit:
+        """What a text makes of a garment.
+
+        Args:
+            source: the garment.
+            text: what it should be: "long sleeves", "pants".
+            guidance: which way its picture should change, such as `small_guidance()`.
+            strength: how far it may go from what it was; 1 is usual.
+            steps: of the optimisation.
+            progress: called after every step.
+
+        Raises:
+            LearnError: a text, strength or number of steps that will not do, or an image that the
+                network does not take.
+            EncodeError: a pattern that does not fit its grid.
+        """
+        words = checked_text(text)
+        _check("strength", strength, STRENGTHS)
+        _check("number of steps", steps, STEPS)
+        given = self.space.given(source)
+        wanted = set(np.linspace(0, steps, min(FRAMES, steps + 1)).round().astype(int).tolist())
+        moments: dict[int, torch.Tensor] = {0: torch.from_numpy(given.z).float()}
+
+        def keep(step: int, z: torch.Tensor) -> None:
+            if step in wanted:
+                moments[step] = z
+            progress(step, steps)
+
+        z = descent(
+            moments[0],
+            self.pictures.draw,
+            guidance,
+            words,
+            steps=steps,
+            rate=RATE,
+            pull=PULL / strength,
+            at_once=AT_ONCE,
+            progress=keep,
+        )
+        frames = tuple(self._frame(number, z) for number, z in sorted(moments.items()))
+        result = self.space.step(self.space.settled(z.numpy(), SETTLE))
+        return TextEdit(given, frames, result)
+
+    def picture(self, z: Latent) -> UInt8[np.ndarray, "row col 3"]:
+        """What the garment of a latent vector looks like, to the network."""
+        with torch.no_grad():
+            colours = self.pictures.draw(torch.from_numpy(np.asarray(z, np.float32))[None])[0]
+        upright = (colours.flip(1).permute(1, 2, 0) * 255).round().to(torch.uint8)
+        return np.ascontiguousarray(upright.numpy())
+
+    def _frame(self, number: int, z: torch.Tensor) -> Frame:
+        return Frame(number, self.space.step(z.numpy()), self.picture(z.numpy()))
+
+
+def denoiser_guidance(
+    name: str | Path | None, text: str, **told: Any
+) -> tuple[ScoreDistillation, tuple[float, str]]:
+    """Guidance by a small diffusion model: one that comes with the package, or one in a folder.
+
+    Args:
+        name: of the model; None for the usual one.
+        text: what will be said.
+        told: as `ScoreDistillation` takes.
+
+    Returns:
+        The guidance, how near the text is to what the model was told in training (1 the same, 0
+        strange), and the phrase that is nearest.
+
+    Raises:
+        LearnError: there is none of that name, and no such folder.
+    """
+    from garmentimage.text.small import SCALE, SmallDiffusion
+
+    folder = network_folder(name or DENOISER, denoiser_names(), "denoiser")
+    model = SmallDiffusion(folder)
+    guidance = ScoreDistillation(model, **{"scale": SCALE, "only_text": True, **told})
+    return guidance, model.familiar(text)
+
+
+def stable_guidance(model: str | None, **told: Any) -> ScoreDistillation:
+    """Guidance by Stable Diffusion.
+
+    Args:
+        model: a folder, or an id on the Hugging Face Hub; None for that of the paper.
+        told: as `ScoreDistillation` takes.
+
+    Raises:
+        LearnError: it is not there and cannot be had, or `diffusers` is not installed.
+    """
+    from garmentimage.text.stable import DEFAULT, SCALE, WRAPPED, StableDiffusion
+
+    usual = {"scale": SCALE, "wrapped": WRAPPED}
+    return ScoreDistillation(StableDiffusion(model or DEFAULT), **{**usual, **told})
+
+
+def checked_text(text: str) -> str:
+    """A text in one line without spaces around it.
+
+    Raises:
+        LearnError: it says nothing, or too much.
+    """
+    words = " ".join(text.split())
+    if not any(character.isalnum() for character in words):
+        raise LearnError(f"the text {quoted(words)} says nothing; say what the garment should be")
+    if len(words) > MOST_TEXT:
+        raise LearnError(f"the text has {len(words):,} characters; give {MOST_TEXT} or fewer")
+    return words
+
+
+def picture_names() -> tuple[str, ...]:
+    """Networks of pictures that come with the package."""
+    return tuple(name for name in shipped_names("model.safetensors") if name.endswith("-pictures"))
+
+
+def denoiser_names() -> tuple[str, ...]:
+    """Small diffusion models that come with the package."""
+    return tuple(name for name in shipped_names("model.safetensors") if name.endswith("-denoiser"))
+
+
+def _check(what: str, value: float, limits: tuple[float, float]) -> None:
+    low, high = limits
+    if not low <= value <= high:
+        raise LearnError(f"the {what} is {value:g}; give {low:g} to {high:g}")

@@ -1,0 +1,172 @@
+"""Guidance: which way a picture should change so that it shows what a text says.
+
+Score distillation (Poole et al. 2023, DreamFusion; paper, Section 4.2): noise is put on the
+picture, a diffusion model that is told the text says what noise it sees, and the difference of both
+is the gradient. The same code drives every diffusion model; they differ in the space that they work
+in.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from garmentimage.errors import LearnError
+
+Pictures = Float[Tensor, "n 3 pixel_row pixel_col"]
+"""Colours from 0 to 1, the lowest row of pixels first."""
+
+
+class Guidance(Protocol):
+    """Pictures and a text to a gradient."""
+
+    def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
+        """How a loss that is small where pictures show the text changes with the pictures.
+
+        Args:
+            pictures: what is shown now.
+            text: what should be shown.
+            done: how much of the optimisation is done, from 0 to 1.
+        """
+
+
+class Diffusion(Protocol):
+    """A diffusion model of pictures."""
+
+    def hidden(self, pictures: Pictures) -> Tensor:
+        """Pictures in the space that it works in; differentiable."""
+
+    def shares(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
+        """Of picture and of noise at times from 0 to 1, [n, 1, 1, 1]."""
+
+    def told(self, text: str) -> Any:
+        """A text as it is told; the empty text says nothing."""
+
+    def noise(self, noisy: Tensor, times: Float[Tensor, " n"], told: Any) -> Tensor:
+        """The noise in noisy ones, given a text."""
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Times of the noise: between `first` and `last` as the optimisation goes on, +- `width`."""
+
+    first: float = 0.7
+    last: float = 0.3
+    width: float = 0.2
+
+    def __post_init__(self) -> None:
+        if not (0 < self.last <= self.first < 1 and 0 <= self.width < 1):
+            raise LearnError("times of noise are more than 0 and less than 1, the first the latest")
+
+    def drawn(self, done: float, count: int, generator: torch.Generator) -> Float[Tensor, " n"]:
+        """Times for some pictures."""
+        middle = self.first + (self.last - self.first) * done
+        spread = (2 * torch.rand(count, generator=generator) - 1) * self.width
+        return (middle + spread).clamp(0.02, 0.98)
+
+
+class ScoreDistillation:
+    """Guidance by a diffusion model.
+
+    Args:
+        diffusion: the model.
+        scale: how much more the text counts than its absence (classifier-free guidance).
+        negative: what the picture should not show; empty for nothing.
+        wrapped: what a text is wrapped in: `"a photo of {}"`.
+        schedule: times of the noise.
+        only_text: leave out what the model thinks of pictures without any text: what is not like
+            its own pictures then does not drive the edit (Yu et al. 2024).
+        seed: of noise and times.
+
+    Raises:
+        LearnError: `wrapped` has no place for the text, or a number is out of range.
+    """
+
+    def __init__(
+        self,
+        diffusion: Diffusion,
+        *,
+        scale: float = 7.5,
+        negative: str = "",
+        wrapped: str = "{}",
+        schedule: Schedule = Schedule(),
+        only_text: bool = False,
+        seed: int = 0,
+    ) -> None:
+        if wrapped.count("{}") != 1:
+            raise LearnError(f"the wrapping {wrapped!r} needs one {{}} where the text goes")
+        if not (math.isfinite(scale) and scale > 0):
+            raise LearnError(f"the guidance scale is {scale}; give more than 0")
+        self.diffusion, self.scale, self.wrapped = diffusion, scale, wrapped
+        self.schedule, self.only_text = schedule, only_text
+        self.generator = torch.Generator().manual_seed(seed)
+        self._negative = negative
+        self._known: dict[str, Any] = {}
+
+    def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
+        """See `Guidance`; noise and times are drawn for each picture on its own."""
+        shown = pictures.detach().requires_grad_()
+        hidden = self.diffusion.hidden(shown)
+        times = self.schedule.drawn(done, len(shown), self.generator).to(hidden.device)
+        noise = torch.randn(hidden.shape, generator=self.generator).to(hidden)
+        push = self.push(hidden.detach(), text, times, noise)
+        (gradient,) = torch.autograd.grad(hidden, shown, push)
+        return gradient
+
+    @torch.no_grad()
+    def push(self, hidden: Tensor, text: str, times: Float[Tensor, " n"], noise: Tensor) -> Tensor:
+        """The gradient in the model's own space, for given times and noise."""
+        alpha, sigma = (share.to(hidden) for share in self.diffusion.shares(times))
+        noisy = alpha * hidden + sigma * noise
+        said = self.diffusion.noise(noisy, times, self._told(self.wrapped.format(text)))
+        unsaid = self.diffusion.noise(noisy, times, self._told(self._negative))
+        start = torch.zeros_like(noise) if self.only_text else unsaid - noise
+        return sigma**2 * (start + self.scale * (said - unsaid))
+
+    def _told(self, text: str) -> Any:
+        if text not in self._known:
+            self._known[text] = self.diffusion.told(text)
+        return self._known[text]
+
+
+def descent(
+    start: Float[Tensor, " latent"],
+    draw: Callable[[Float[Tensor, "n latent"]], Pictures],
+    guidance: Guidance,
+    text: str,
+    *,
+    steps: int,
+    rate: float,
+    pull: float,
+    at_once: int,
+    progress: Callable[[int, Tensor], None] = lambda step, z: None,
+) -> Float[Tensor, " latent"]:
+    """The latent vector that a text makes of another, by gradient descent (Adam).
+
+    Args:
+        start: the latent vector of the garment as it is.
+        draw: pictures of latent vectors; differentiable.
+        guidance: which way pictures should change.
+        text: what they should show.
+        steps: how many.
+        rate: of Adam.
+        pull: how much the squared distance from the start costs.
+        at_once: pictures that the gradient is averaged over in a step; they differ in their noise.
+        progress: called after every step.
+    """
+    z = start.clone().requires_grad_()
+    optimizer = torch.optim.Adam([z], rate, betas=(0.9, 0.99))
+    for step in range(steps):
+        picture = draw(z[None])
+        shown = picture.detach().expand(at_once, -1, -1, -1)
+        push = guidance.gradient(shown, text, step / max(steps - 1, 1)).mean(0)
+        loss = (push * picture[0]).sum() / push.shape[0] + pull * ((z - start) ** 2).sum()
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+        progress(step + 1, z.detach().clone())
+    return z.detach()

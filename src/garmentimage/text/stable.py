@@ -1,0 +1,122 @@
+"""Stable Diffusion as guidance, as in the paper (Section 4.2), through `diffusers`."""
+
+from pathlib import Path
+from typing import Any
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+from torch.nn import functional
+
+from garmentimage.errors import LearnError
+from garmentimage.files import shown_path
+from garmentimage.text.guidance import Pictures
+
+DEFAULT = "stable-diffusion-v1-5/stable-diffusion-v1-5"
+SCALE, WRAPPED = 30.0, "a photo of a person wearing {}, plain white background"
+"""How much more a text counts than its absence, and what it is wrapped in."""
+
+
+class StableDiffusion:
+    """A Stable Diffusion pipeline; it works in the space of its own autoencoder.
+
+    Args:
+        model: a folder that `diffusers` saved, or an id on the Hugging Face Hub.
+        device: where it runs; half precision on a GPU.
+
+    Raises:
+        LearnError: `diffusers` is not installed, or the model is not there and cannot be had.
+    """
+
+    def __init__(self, model: str = DEFAULT, device: str | None = None) -> None:
+        chosen = device or ("cuda" if torch.cuda.is_available() else "cpu")
+        self.device = torch.device(chosen)
+        kind = torch.float32 if self.device.type == "cpu" else torch.float16
+        pipe = _pipeline(model)
+        self.pipe: Any = pipe.to(self.device, kind)
+        for part in (self.pipe.vae, self.pipe.unet, self.pipe.text_encoder):
+            part.requires_grad_(False).eval()
+        self.kind = kind
+        self.kept = self.pipe.scheduler.alphas_cumprod.to(self.device)
+
+    @property
+    def size(self) -> int:
+        """Pixels a side of the pictures that it was trained on."""
+        return int(self.pipe.unet.config.sample_size * self.pipe.vae_scale_factor)
+
+    def hidden(self, pictures: Pictures) -> Tensor:
+        """Pictures, upright and scaled up, as its autoencoder codes them."""
+        upright = pictures.flip(2).to(self.device, self.kind)
+        large = functional.interpolate(upright, (self.size, self.size), mode="bilinear")
+        coded = self.pipe.vae.encode(2 * large - 1).latent_dist.mean
+        return (coded * self.pipe.vae.config.scaling_factor).float()
+
+    def shares(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
+        """Of picture and of noise, at the step of its own schedule that is nearest."""
+        kept = self.kept[self._steps(times)][:, None, None, None].float()
+        return kept.sqrt(), (1 - kept).sqrt()
+
+    @torch.no_grad()
+    def told(self, text: str) -> Tensor:
+        """What its text encoder makes of a text."""
+        tokens = self.pipe.tokenizer(
+            [text],
+            padding="max_length",
+            max_length=self.pipe.tokenizer.model_max_length,
+            truncation=True,
+            return_tensors="pt",
+        )
+        found: Tensor = self.pipe.text_encoder(tokens.input_ids.to(self.device))[0]
+        return found
+
+    def noise(self, noisy: Tensor, times: Float[Tensor, " n"], told: Tensor) -> Tensor:
+        """The noise that it sees."""
+        text = told.expand(len(noisy), -1, -1)
+        found = self.pipe.unet(
+            noisy.to(self.kind), self._steps(times), encoder_hidden_states=text
+        ).sample
+        if self.pipe.scheduler.config.prediction_type == "v_prediction":
+            alpha, sigma = self.shares(times)
+            return alpha * found.float() + sigma * noisy
+        return found.float()  # type: ignore[no-any-return]
+
+    def _steps(self, times: Float[Tensor, " n"]) -> Tensor:
+        last = len(self.kept) - 1
+        return (times.to(self.device) * last).round().long().clamp(0, last)
+
+
+def _pipeline(model: str) -> Any:
+    """The parts of a model, in full precision."""
+    try:
+        from diffusers.utils import logging as of_diffusers
+        from transformers.utils import logging as of_transformers
+    except ImportError:
+        raise LearnError(
+            "guidance by Stable Diffusion needs diffusers; `pip install -e '.[sd]'`"
+        ) from None
+    for logging in (of_diffusers, of_transformers):  # They would tell much that is no matter here.
+        logging.set_verbosity_error()
+        logging.disable_progress_bar()
+    from diffusers import StableDiffusionPipeline
+
+    is_folder = Path(model).is_dir()
+    if is_folder and not (Path(model) / "model_index.json").is_file():
+        raise LearnError(
+            f"{shown_path(model)}: holds no Stable Diffusion model (no model_index.json); give a "
+            "folder that diffusers saved"
+        )
+    try:
+        return StableDiffusionPipeline.from_pretrained(
+            model,
+            safety_checker=None,
+            feature_extractor=None,
+            requires_safety_checker=False,
+            use_safetensors=True,
+            local_files_only=is_folder,
+            low_cpu_mem_usage=False,
+        )
+    except Exception as error:  # What may go wrong spans four libraries and the network.
+        raise LearnError(
+            f"{shown_path(model)}: is no Stable Diffusion model that can be read, or cannot be "
+            f"fetched ({type(error).__name__}); download {DEFAULT} and give its folder"
+        ) from None

