@@ -20,3 +20,26 @@ def pictured(tmp_path_factory):
     folder = tmp_path_factory.mktemp("d2")
     build(Build(recipe("d2"), folder, 20, unseen=4), workers=1)
     return folder
+
+
+@pytest.fixture(scope="session")
+def trained(tmp_path_factory):
+    """A dataset of `text-edit`, and its three networks, trained for a moment."""
+    from garmentimage.cli import main
+    from garmentimage.dataset.build import Build, build
+    from garmentimage.dataset.recipe import recipe
+
+    folder = tmp_path_factory.mktemp("text-edit")
+    data = folder / "data"
+    build(Build(recipe("text-edit"), data, 20), workers=1)
+    for name, words in {
+        "vae": [],
+        "pictures": ["--vae", folder / "vae" / "model"],
+        "denoiser": [],
+        "vector-vae": [],
+        "vector-pictures": ["--vae", folder / "vector-vae" / "model"],
+    }.items():
+        network = "image-decoder" if name.endswith("pictures") else name
+        words = [network, "--data", data, *words, "--epochs", 3, "--batch", 24, "-o", folder / name]
+        assert main(["train", *map(str, words)]) == 0
+    return folder

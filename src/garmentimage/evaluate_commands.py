@@ -15,15 +15,30 @@ from garmentimage.terminal import Exit, print_json, whole_number
 if TYPE_CHECKING:
     from garmentimage.evaluate import explore, image
     from garmentimage.evaluate.guesses import Guesser
+    from garmentimage.evaluate.text import Editing
 
 LEVELS = ("full", "paper", "none")
 EXPLORE = {"garments": 300, "pairs": 200, "triplets": 100}
 IMAGE = {"seen": 1000, "unseen": 500, "parts": 300, "draped": 200}
+EDIT = {"edited": 24}
 """How many of each are measured, by subject."""
 ONLY_OF = {
-    "explore": ("vae", "vectors", *EXPLORE),
-    "image": ("recipe", "network", "validation", *IMAGE),
+    "vae": ("explore",),
+    "vectors": ("explore", "edit"),
+    "recipe": ("image",),
+    "network": ("image",),
+    "validation": ("image", "edit"),
+    "space": ("edit",),
+    "pictures": ("edit",),
+    "denoiser": ("edit",),
+    "vector_pictures": ("edit",),
+    "strength": ("edit",),
+    "steps": ("edit",),
+    **dict.fromkeys(EXPLORE, ("explore",)),
+    **dict.fromkeys(IMAGE, ("image",)),
+    **dict.fromkeys(EDIT, ("edit",)),
 }
+"""Subjects that options are of, where they are not of all."""
 OF_RUN = ("network", "settings", "config", "without")
 SHOWN = 3
 """Garments of each split in the figure of guesses."""
@@ -34,13 +49,15 @@ def evaluate_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "subject",
         metavar="SUBJECT",
-        help="explore: interpolation and edits; image: picture to pattern",
+        help="explore: interpolation and edits; image: picture to pattern; edit: edits by text",
     )
     parser.add_argument(
         "--data", type=Path, metavar="FOLDER", help="the dataset of the networks (data/RECIPE)"
     )
     parser.add_argument("--vae", metavar="NAME", help="explore: a latent space or its folder")
-    parser.add_argument("--vectors", metavar="FOLDER", help="explore: a vector VAE of that dataset")
+    parser.add_argument(
+        "--vectors", metavar="FOLDER", help="explore, edit: a vector VAE of that dataset"
+    )
     parser.add_argument("--recipe", metavar="RECIPE", help="image: of data/RECIPE, runs/RECIPE-*")
     parser.add_argument(
         "--network",
@@ -51,7 +68,15 @@ def evaluate_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--out", type=Path, required=True, metavar="FOLDER", help="for records and tables"
     )
-    for subject, amounts in (("explore", EXPLORE), ("image", IMAGE)):
+    parser.add_argument("--space", metavar="NAME", help="edit: a latent space (text-edit)")
+    parser.add_argument("--pictures", metavar="NAME", help="edit: its picture network")
+    parser.add_argument("--denoiser", metavar="NAME", help="edit: what guides")
+    parser.add_argument(
+        "--vector-pictures", metavar="FOLDER", help="edit: the picture network of --vectors"
+    )
+    parser.add_argument("--strength", type=float, metavar="X", help="edit: (1)")
+    parser.add_argument("--steps", type=whole_number, metavar="N", help="edit: of each edit")
+    for subject, amounts in (("explore", EXPLORE), ("image", IMAGE), ("edit", EDIT)):
         for name, default in amounts.items():
             parser.add_argument(
                 f"--{name}", type=whole_number, metavar="N", help=f"{subject}: ({default})"
@@ -60,22 +85,22 @@ def evaluate_arguments(parser: argparse.ArgumentParser) -> None:
         "--validation",
         action="store_true",
         default=None,
-        help="image: on the validation split, for choices; unseen is what --without left out",
+        help="image, edit: on the validation split, for choices; unseen is what --without left out",
     )
     parser.add_argument("--workers", type=whole_number, default=2, metavar="N", help="(2)")
 
 
 def run_evaluate(options: argparse.Namespace) -> Exit:
     """Measure networks, and write tables and figures."""
-    subjects = {"explore": _run_explore, "image": _run_image}
+    subjects = {"explore": _run_explore, "image": _run_image, "edit": _run_edit}
     if options.subject not in subjects:
         raise LearnError(
             f"there is no subject {quoted(options.subject)}; choose {' or '.join(subjects)}"
         )
-    for subject, names in ONLY_OF.items():
-        for name in names:
-            if subject != options.subject and getattr(options, name) is not None:
-                raise LearnError(f"--{name} is of `evaluate {subject}` only")
+    for name, of in ONLY_OF.items():
+        if options.subject not in of and getattr(options, name) is not None:
+            option = f"--{name.replace('_', '-')}"
+            raise LearnError(f"{option} is of `evaluate {'` and `evaluate '.join(of)}` only")
     if options.workers < 1:
         raise LearnError(f"--workers is {options.workers}; give 1 or more")
     return subjects[options.subject](options)
@@ -264,6 +289,84 @@ def _draw_guesses(
         if numbers:
             drawn = guesses_picture(list(chosen.values()), data, album, numbers)
             write_atomically(folder / f"{name}.png", png_bytes(drawn))
+
+
+# --- Editing by text -----------------------------------------------------------------------------
+
+
+def _run_edit(options: argparse.Namespace) -> Exit:
+    from garmentimage.dataset.sheet import dataset_hash, summary_of
+    from garmentimage.evaluate.figure import text_picture
+    from garmentimage.evaluate.table import text_table
+    from garmentimage.evaluate.text import evaluate
+    from garmentimage.render.png import png_bytes
+
+    if options.data is None:
+        raise LearnError("name the dataset of the networks with --data")
+    if (options.vectors is None) != (options.vector_pictures is None):
+        raise LearnError("give --vectors and --vector-pictures together, or neither")
+    recipe = summary_of(options.data)["recipe"]
+    editors = _editors(options)
+    count = _amounts(options, EDIT, 1)["edited"]
+    validation = bool(options.validation)
+    with _Bar() as bar:
+        figures = evaluate(
+            editors,
+            options.data,
+            options.out,
+            count,
+            validation=validation,
+            workers=options.workers,
+            progress=bar.at,
+        )
+    result = {
+        **_provenance(recipe),
+        "data_sha256": dataset_hash(options.data),
+        "split": "validation" if validation else "test",
+        "garments": count,
+        "editors": [vars(each) for each in editors],
+        "figures": figures,
+    }
+    _put(options.out, result, text_table(figures))
+    drawn = text_picture(editors, "validation" if validation else "test")
+    write_atomically(options.out / "edits.png", png_bytes(drawn))
+    return _say(options, options.out, result, text_table(figures))
+
+
+def _editors(options: argparse.Namespace) -> list["Editing"]:
+    from garmentimage.evaluate.text import Editing
+    from garmentimage.explore.space import LatentSpace, network_folder
+    from garmentimage.text import edit
+
+    pictures = network_folder(
+        options.pictures or edit.PICTURES, edit.picture_names(), "picture network"
+    )
+    denoiser = network_folder(options.denoiser or edit.DENOISER, edit.denoiser_names(), "denoiser")
+    space = LatentSpace.load(options.space or edit.SPACE).folder
+    steps = edit.STEPS_USUAL if options.steps is None else options.steps
+    strength = 1.0 if options.strength is None else options.strength
+    edit.check_amounts(strength, steps)
+    common: dict[str, Any] = {
+        "data": str(options.data), "denoiser": str(denoiser), "strength": strength, "steps": steps
+    }  # fmt: skip
+    found = [
+        Editing("small guidance", "raster", space=str(space), pictures=str(pictures), **common)
+    ]
+    if options.vectors is not None:
+        found.append(
+            Editing(
+                "vectors, small guidance",
+                "vectors",
+                space=options.vectors,
+                pictures=options.vector_pictures,
+                **common,
+            )
+        )
+    return [
+        *found,
+        Editing("no guidance", "nothing", str(options.data), str(space)),
+        Editing("nearest caption", "caption", str(options.data)),
+    ]
 
 
 # --- What they share -----------------------------------------------------------------------------

@@ -3,8 +3,6 @@ import json
 import pytest
 import torch
 
-from garmentimage.cli import main
-
 
 @pytest.fixture(scope="session")
 def tiny(tmp_path_factory):
@@ -45,22 +43,3 @@ def tiny(tmp_path_factory):
     )  # fmt: skip
     pipe.save_pretrained(folder / "model", safe_serialization=True)
     return folder / "model"
-
-
-@pytest.fixture(scope="session")
-def small(tmp_path_factory):
-    """A dataset of `text-edit`, and its three networks, trained for a moment."""
-    from garmentimage.dataset.build import Build, build
-    from garmentimage.dataset.recipe import recipe
-
-    folder = tmp_path_factory.mktemp("text-edit")
-    data = folder / "data"
-    build(Build(recipe("text-edit"), data, 20), workers=1)
-    for name, words in {
-        "vae": [],
-        "image-decoder": ["--vae", folder / "vae" / "model"],
-        "denoiser": [],
-    }.items():
-        words = [name, "--data", data, *words, "--epochs", 3, "--batch", 24, "-o", folder / name]
-        assert main(["train", *map(str, words)]) == 0
-    return folder

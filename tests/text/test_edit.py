@@ -16,10 +16,10 @@ from garmentimage.text.guidance import ScoreDistillation
 pytestmark = pytest.mark.slow
 
 
-def names(small) -> list[str]:
+def names(trained) -> list[str]:
     return [
-        "--space", str(small / "vae" / "model"),
-        "--pictures", str(small / "image-decoder" / "model"),
+        "--space", str(trained / "vae" / "model"),
+        "--pictures", str(trained / "pictures" / "model"),
     ]  # fmt: skip
 
 
@@ -30,26 +30,26 @@ def dress(tmp_path_factory):
     return path
 
 
-def edit(small, dress, *words) -> int:
-    return main(["edit", str(dress), *map(str, words), *names(small)])
+def edit(trained, dress, *words) -> int:
+    return main(["edit", str(dress), *map(str, words), *names(trained)])
 
 
-def test_an_edit_writes_a_garment_and_the_way_to_it(small, dress, tmp_path, capsys):
-    denoiser = small / "denoiser" / "model"
+def test_an_edit_writes_a_garment_and_the_way_to_it(trained, dress, tmp_path, capsys):
+    denoiser = trained / "denoiser" / "model"
     words = ["long sleeves", "-o", tmp_path / "out", "--steps", 6, "--model", denoiser]
-    assert edit(small, dress, *words) == 0
+    assert edit(trained, dress, *words) == 0
     assert "the way there" in capsys.readouterr().out
     strip = np.asarray(Image.open(tmp_path / "out" / "strip.png"))
     assert strip.shape[1] > 8 * 200 and (tmp_path / "out" / "before.glb").exists()
     assert (tmp_path / "out" / "edited.npz").exists()
 
 
-def test_the_same_seed_edits_the_same_and_strength_goes_further(small, dress):
-    editor = TextEditor.load(small / "vae" / "model", small / "image-decoder" / "model")
+def test_the_same_seed_edits_the_same_and_strength_goes_further(trained, dress):
+    editor = TextEditor.load(trained / "vae" / "model", trained / "pictures" / "model")
     pattern = gi.load_pattern(dress)
 
     def moved(seed: int, strength: float) -> np.ndarray:
-        guidance, _ = denoiser_guidance(small / "denoiser" / "model", "pants", seed=seed)
+        guidance, _ = denoiser_guidance(trained / "denoiser" / "model", "pants", seed=seed)
         found = editor.edit(pattern, "pants", guidance, strength=strength, steps=8)
         assert [frame.number for frame in found.frames] == [0, 2, 3, 5, 6, 8]
         return found.frames[-1].step.z - found.given.z
@@ -59,18 +59,25 @@ def test_the_same_seed_edits_the_same_and_strength_goes_further(small, dress):
     assert np.linalg.norm(further) >= np.linalg.norm(one) > 0
 
 
-def test_stable_diffusion_drives_the_same_command(small, dress, tiny, tmp_path, capsys):
+def test_stable_diffusion_drives_the_same_command(trained, dress, tiny, tmp_path, capsys):
     words = ["pants", "-o", tmp_path / "out", "--steps", 2, "--guidance", "sd", "--model", tiny]
-    assert edit(small, dress, *words, "--json") == 0
+    assert edit(trained, dress, *words, "--json") == 0
     assert json.loads(capsys.readouterr().out)["out"] == str(tmp_path / "out")
 
 
-def test_a_text_that_is_about_something_else_is_told_so(small, dress, tmp_path, capsys):
-    words = ["-o", tmp_path / "out", "--steps", 1, "--model", small / "denoiser" / "model"]
-    assert edit(small, dress, "quarterly tax report", *words) == 0
+def test_a_text_that_is_about_something_else_is_told_so(trained, dress, tmp_path, capsys):
+    words = [
+        "-o",
+        tmp_path / "out",
+        "--steps",
+        1,
+        "--model",
+        trained / "denoiser" / "model",
+    ]
+    assert edit(trained, dress, "quarterly tax report", *words) == 0
     assert "is far from all that the network was told of" in capsys.readouterr().err
-    assert edit(small, dress, "ein langes Kleid", *words) == 0
-    assert edit(small, dress, "長袖", *words) == 0
+    assert edit(trained, dress, "ein langes Kleid", *words) == 0
+    assert edit(trained, dress, "長袖", *words) == 0
 
 
 @pytest.mark.parametrize(
@@ -89,20 +96,20 @@ def test_a_text_that_is_about_something_else_is_told_so(small, dress, tmp_path, 
         (["pants", "--guidance", "sd", "--model", "."], "holds no Stable Diffusion model"),
     ],
 )
-def test_a_wrong_call_is_told_in_a_sentence(words, message, small, dress, tmp_path, capsys,
+def test_a_wrong_call_is_told_in_a_sentence(words, message, trained, dress, tmp_path, capsys,
                                             monkeypatch):  # fmt: skip
     monkeypatch.chdir(tmp_path)
     if "--model" not in words:
-        words = [*words, "--model", str(small / "denoiser" / "model")]
-    assert edit(small, dress, *words, "-o", "out") != 0
+        words = [*words, "--model", str(trained / "denoiser" / "model")]
+    assert edit(trained, dress, *words, "-o", "out") != 0
     assert message in capsys.readouterr().err
 
 
-def test_networks_of_other_sizes_do_not_go_together(small):
+def test_networks_of_other_sizes_do_not_go_together(trained):
     from garmentimage.explore.space import LatentSpace
     from garmentimage.learn.image_decoder import ImageDecoder, ImageDecoderConfig
 
-    space = LatentSpace(small / "vae" / "model")
+    space = LatentSpace(trained / "vae" / "model")
     other = ImageDecoder(ImageDecoderConfig(latent=8, channels=(16, 16, 16, 16, 16)))
     with pytest.raises(LearnError, match="of 32 numbers, the picture network takes 8"):
         TextEditor(space, other)
@@ -112,14 +119,14 @@ def test_texts_are_taken_in_one_line():
     assert checked_text("  long\n sleeves ") == "long sleeves"
 
 
-def test_any_guidance_will_do(small, dress):
+def test_any_guidance_will_do(trained, dress):
     """The protocol is all that an editor asks for."""
 
     class Brighter:
         def gradient(self, pictures, text, done):
             return -np.sign(1) * (pictures * 0 + 1)
 
-    editor = TextEditor.load(small / "vae" / "model", small / "image-decoder" / "model")
+    editor = TextEditor.load(trained / "vae" / "model", trained / "pictures" / "model")
     found = editor.edit(gi.load_pattern(dress), "bright", Brighter(), steps=20, strength=20)
     first, last = (frame.picture.mean() for frame in (found.frames[0], found.frames[-1]))
     assert last > first and not isinstance(Brighter(), ScoreDistillation)

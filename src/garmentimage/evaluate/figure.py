@@ -16,7 +16,11 @@ from garmentimage.explore.walk import edit
 from garmentimage.pattern.model import Pattern
 
 if TYPE_CHECKING:
+    from garmentimage.evaluate.text import Editing
     from garmentimage.learn.pictured import Album
+
+FIGURE_PROMPTS = ((0, "long"), (1, "short sleeves"), (2, "dress"), (0, "pants"))
+"""Numbers of test garments, whose types take turns, and prompts."""
 
 
 def way_picture(
@@ -60,6 +64,23 @@ def guesses_picture(
             columns.append(shown(guesser.name, _step(guess.pattern, guess.fault)))
         upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
         rows.append(beside(np.ascontiguousarray(upright), strip(columns)))
+    return np.concatenate(rows)
+
+
+def text_picture(editors: "Sequence[Editing]", split: str) -> UInt8[np.ndarray, "row col 3"]:
+    """The paper's figure: four garments and four prompts, and what each editor makes of them."""
+    from garmentimage.evaluate.text import chosen, edited
+
+    rows = []
+    for number, prompt in FIGURE_PROMPTS:
+        start = chosen(editors[0].data, split)[number]
+        columns = [shown("as given", _step(start, ""))]
+        for editor in editors:
+            if editor.kind in ("raster", "vectors"):
+                columns.append(
+                    shown(f"{prompt}: {editor.name}", _step(*edited(editor, start, prompt)))
+                )
+        rows.append(strip(columns))
     return np.concatenate(rows)
 
 

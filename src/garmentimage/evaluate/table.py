@@ -43,6 +43,22 @@ def image_table(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+TEXT_COLUMNS = (("done", "done"), ("kept", "the rest kept"), ("valid", "valid"))
+
+
+def text_table(figures: Mapping[str, Mapping[str, Any]]) -> str:
+    """Editing by text: rows for groups of prompts and each prompt, columns for who edits."""
+    names = list(figures)
+    heads = [f"{name}: {what}" for name in names for _, what in TEXT_COLUMNS]
+    lines = [f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    rows = [key for key, value in figures[names[0]].items() if isinstance(value, Mapping)]
+    for row in rows:
+        cells = [_cell(figures[name].get(row, {}).get(key)) for name in names
+                 for key, _ in TEXT_COLUMNS]  # fmt: skip
+        lines.append(f"| {row} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
 def _cell(value: Mapping[str, float] | None) -> str:
     if value is None:
         return "-"

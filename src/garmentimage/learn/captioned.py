@@ -1,6 +1,7 @@
 """Pictures with their latent vectors, and pictures with wordings: what editing by text learns."""
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,12 +10,19 @@ import torch
 from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 
-from garmentimage.dataset.read import tables
+from garmentimage.dataset.read import patterns_of, tables
 from garmentimage.dataset.wording import worded
+from garmentimage.errors import LearnError
+from garmentimage.files import shown_path
 from garmentimage.learn.garment_vae import GarmentVAE
 from garmentimage.learn.pictured import PICTURE, Album, pixels
 from garmentimage.learn.sentences import embedded
+from garmentimage.learn.vector_vae import VectorVAE
+from garmentimage.learn.vectors import Vocabulary, read_patterns, vectors, vocabulary
+from garmentimage.learn.weights import load_weights
 
+Encode = Callable[[Album], tuple[Tensor, Tensor]]
+"""An album's latent vectors, and the encoder's standard deviations."""
 WORDINGS = 8
 """Of each garment."""
 SEED = 41
@@ -46,15 +54,55 @@ class Worn:
         return self.pictures.float() / 255
 
 
-@torch.no_grad()
-def worn(album: Album, model: GarmentVAE) -> Worn:
-    """The garments of an album in a VAE's latent space."""
-    rasters = album.garments.rasters
-    parts = torch.arange(len(rasters)).split(256)
-    found = [model.encode(rasters.batch(part).inputs()) for part in parts]
-    latents = torch.cat([mean for mean, _ in found])
-    logs = torch.cat([log_variance for _, log_variance in found])
-    return Worn(latents, (0.5 * logs).exp(), album.garments.pictures)
+def worn(album: Album, encode: Encode) -> Worn:
+    """The garments of an album in a latent space."""
+    latents, spread = encode(album)
+    return Worn(latents, spread, album.garments.pictures)
+
+
+def latents_of(vae: Path, data: Path) -> Encode:
+    """How a trained VAE, of GarmentImages or of vectors, encodes garments.
+
+    Args:
+        vae: folder of the network.
+        data: the dataset that it was trained on; vectors need its panel kinds.
+
+    Raises:
+        LearnError: the folder holds neither.
+    """
+    try:
+        is_vectors = "vertices" in json.loads((vae / "config.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise LearnError(f"{shown_path(vae)}: holds no VAE ({type(error).__name__})") from None
+    if is_vectors:
+        return _of_vectors(load_weights(VectorVAE, vae), vocabulary(read_patterns(data, "train")))
+    return _of_rasters(load_weights(GarmentVAE, vae))
+
+
+def _of_rasters(model: GarmentVAE) -> Encode:
+    @torch.no_grad()
+    def encode(album: Album) -> tuple[Tensor, Tensor]:
+        rasters = album.garments.rasters
+        parts = torch.arange(len(rasters)).split(256)
+        return _joined([model.encode(rasters.batch(part).inputs()) for part in parts])
+
+    return encode
+
+
+def _of_vectors(model: VectorVAE, words: Vocabulary) -> Encode:
+    @torch.no_grad()
+    def encode(album: Album) -> tuple[Tensor, Tensor]:
+        found = vectors(patterns_of(album.patterns, "the dataset"), words)
+        parts = torch.arange(len(found)).split(256)
+        return _joined([model.encode(found.batch(part)) for part in parts])
+
+    return encode
+
+
+def _joined(parts: list[tuple[Tensor, Tensor]]) -> tuple[Tensor, Tensor]:
+    """Means and standard deviations, from means and log variances."""
+    means, logs = (torch.cat(each) for each in zip(*parts))
+    return means, (0.5 * logs).exp()
 
 
 @dataclass  # not frozen either

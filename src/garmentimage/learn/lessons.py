@@ -170,18 +170,15 @@ def slot_lesson(wanted: Wanted, name: str) -> Lesson:
 
 def image_decoder_lesson(wanted: Wanted) -> Lesson:
     """Latent vectors of a trained VAE to pictures."""
-    from garmentimage.learn.captioned import worn
-    from garmentimage.learn.garment_vae import GarmentVAE
+    from garmentimage.learn.captioned import latents_of, worn
     from garmentimage.learn.image_decoder import ImageDecoder, ImageDecoderConfig
     from garmentimage.learn.pictured import read_album
-    from garmentimage.learn.weights import load_weights
 
     if wanted.vae is None:
         raise LearnError("name the VAE whose latent vectors become pictures with --vae")
-    vae = load_weights(GarmentVAE, wanted.vae)
-    known, held_out = (
-        worn(read_album(wanted.data, split), vae) for split in ("train", "validation")
-    )
+    albums = [read_album(wanted.data, split) for split in ("train", "validation")]
+    encode = latents_of(wanted.vae, wanted.data)
+    known, held_out = (worn(album, encode) for album in albums)
     config = ImageDecoderConfig(known.latents.shape[1], known.pictures.shape[-1])
     return Lesson(
         "Latent vectors to pictures",

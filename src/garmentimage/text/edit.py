@@ -120,8 +120,7 @@ class TextEditor:
             EncodeError: a pattern that does not fit its grid.
         """
         words = checked_text(text)
-        _check("strength", strength, STRENGTHS)
-        _check("number of steps", steps, STEPS)
+        check_amounts(strength, steps)
         given = self.space.given(source)
         wanted = set(np.linspace(0, steps, min(FRAMES, steps + 1)).round().astype(int).tolist())
         moments: dict[int, torch.Tensor] = {0: torch.from_numpy(given.z).float()}
@@ -210,6 +209,16 @@ def checked_text(text: str) -> str:
     if len(words) > MOST_TEXT:
         raise LearnError(f"the text has {len(words):,} characters; give {MOST_TEXT} or fewer")
     return words
+
+
+def check_amounts(strength: float, steps: int) -> None:
+    """Refuse a strength or a number of steps that will not do.
+
+    Raises:
+        LearnError: says what may be given.
+    """
+    _check("strength", strength, STRENGTHS)
+    _check("number of steps", steps, STEPS)
 
 
 def picture_names() -> tuple[str, ...]:

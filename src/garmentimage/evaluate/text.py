@@ -1,0 +1,254 @@
+"""Editing by text, measured: held-out garments, prompts, and who edits.
+
+Records go to a folder as they come, and a run that was stopped goes on. Nothing is trained here.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Literal
+
+import numpy as np
+import torch
+
+from garmentimage.dataset.sheet import dataset_hash
+from garmentimage.errors import LearnError
+from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
+from garmentimage.evaluate.garment import seen
+from garmentimage.evaluate.prompts import PROMPTS, is_asked, kept
+from garmentimage.evaluate.records import Records
+from garmentimage.evaluate.traits import traits
+from garmentimage.explore.space import LatentSpace, Step
+from garmentimage.files import shown_path
+from garmentimage.learn.image_decoder import ImageDecoder
+from garmentimage.learn.sentences import embedded
+from garmentimage.learn.weights import load_weights
+from garmentimage.metrics.intervals import interval
+from garmentimage.metrics.workers import Lost, map_in_processes
+from garmentimage.pattern.model import Pattern
+from garmentimage.provenance import weights_hash
+from garmentimage.text.edit import AT_ONCE, PULL, RATE, SETTLE, denoiser_guidance
+from garmentimage.text.guidance import descent
+
+SEED = 50
+TIME_LIMIT_S = 600.0
+GROUPS = ("topology", "parts", "geometry")
+
+
+@dataclass(frozen=True)
+class Editing:
+    """Who edits."""
+
+    name: str
+    kind: Literal["raster", "vectors", "nothing", "caption"]
+    data: str
+    """The dataset that it was trained on."""
+    space: str = ""
+    """Folder of its latent space; of a vector VAE, of its weights."""
+    pictures: str = ""
+    denoiser: str = ""
+    strength: float = 1.0
+    steps: int = 150
+
+
+@dataclass(frozen=True)
+class Item:
+    """One garment and one prompt for one editor."""
+
+    editing: Editing
+    prompt: int
+    """Which of `PROMPTS`."""
+    garment: int
+    split: str
+    number: int
+    """Of the item among those of its editor."""
+
+
+def evaluate(
+    editors: Sequence[Editing],
+    data: Path,
+    folder: Path,
+    garments: int = 24,
+    *,
+    validation: bool = False,
+    workers: int = 2,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> dict[str, Any]:
+    """Ask every editor for every change of the same garments, and sum up.
+
+    Args:
+        editors: who edits.
+        data: a dataset; its test garments are edited, types in turn.
+        folder: where records go; gone on with.
+        garments: how many.
+        validation: edit garments of the validation split: what choices are made by.
+        workers: processes.
+        progress: called with how many items are done, and of how many.
+
+    Returns:
+        By editor, figures with intervals of 95 %, for each prompt and each group of prompts.
+
+    Raises:
+        LearnError: a network cannot be read, there are too few garments, or the folder holds
+            records of others.
+    """
+    told = {"data_sha256": dataset_hash(data)}
+    networks = {
+        each.name: told | {
+            name: weights_hash(Path(getattr(each, name))) if getattr(each, name) else ""
+            for name in ("space", "pictures", "denoiser")
+        } | {"strength": each.strength, "steps": each.steps}
+        for each in editors
+    }  # fmt: skip
+    records = Records(folder, {"garments": garments, "validation": validation}, networks)
+    items = _items(editors, str(data), garments, "validation" if validation else "test")
+    found = {}
+    for item in items:
+        record = records.kept(item.editing.name, item.number)
+        if record is not None:
+            found[item] = record
+    missing = [item for item in items if item not in found]
+    progress(len(found), len(items))
+    for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
+        item, made = missing[outcome.number], outcome.result
+        found[item] = {"lost": made.reason} if isinstance(made, Lost) else made
+        if not isinstance(made, Lost):  # Who was lost is tried again by the next run.
+            records.keep(item.editing.name, item.number, found[item])
+        progress(len(found), len(items))
+    return {
+        each.name: summary([found[item] for item in items if item.editing == each])
+        for each in editors
+    }
+
+
+def measured(item: Item) -> dict[str, Any]:
+    """The record of an item."""
+    prompt = PROMPTS[item.prompt]
+    start = chosen(item.editing.data, item.split)[item.garment]
+    began = perf_counter()
+    end, fault = edited(item.editing, start, prompt.text)
+    took = perf_counter() - began
+    before, after = traits(start), traits(end)
+    assert before is not None  # `_items` asks of such garments only
+    return {
+        "prompt": prompt.text,
+        "group": prompt.group,
+        "done": after is not None and prompt.holds(before, after),
+        "kept": kept(prompt, start, end),
+        "valid": seen(end, fault).valid,
+        "seconds": round(took, 2),
+        "before": asdict(before),
+        "after": asdict(after) if after else None,
+    }
+
+
+def edited(editing: Editing, start: Pattern, text: str) -> tuple[Pattern | None, str]:
+    """What an editor makes of a garment, and why it is no garment, if it is none."""
+    if editing.kind == "caption":
+        return _captioned(editing.data, text), ""
+    codec = codec_of(editing)
+    z = codec.latents([start])[0]
+    if editing.kind != "nothing":
+        z = codec.settled(_moved(editing, z, text), SETTLE)
+    step: Step = codec.step(z)
+    return step.pattern, step.faults[0] if step.faults else ""
+
+
+def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Figures by prompt, by group and of all."""
+    known = [record for record in records if "lost" not in record]
+    told: dict[str, Any] = {"measured": len(known), "lost": len(records) - len(known)}
+    groups: dict[str, list[Mapping[str, Any]]] = {"all": list(known)}
+    for group in GROUPS:
+        groups[group] = [record for record in known if record["group"] == group]
+    for prompt in PROMPTS:
+        groups[f"'{prompt.text}'"] = [r for r in known if r["prompt"] == prompt.text]
+    for name, rows in groups.items():
+        if rows:
+            told[name] = {
+                key: asdict(interval([float(row[key]) for row in rows]))
+                for key in ("done", "kept", "valid", "seconds")
+            }
+    return told
+
+
+def _moved(editing: Editing, z: np.ndarray, text: str) -> np.ndarray:
+    torch.set_num_threads(1)
+    guidance, _ = denoiser_guidance(editing.denoiser, text)
+    moved = descent(
+        torch.from_numpy(np.asarray(z, np.float32)),
+        _pictures(editing.pictures).draw,
+        guidance,
+        text,
+        steps=editing.steps,
+        rate=RATE,
+        pull=PULL / editing.strength,
+        at_once=AT_ONCE,
+    )
+    return moved.numpy()
+
+
+@cache
+def codec_of(editing: Editing) -> Codec:
+    """An editor's latent space, loaded once in each process."""
+    if editing.kind == "vectors":
+        return VectorCodec(Path(editing.space), Path(editing.data))
+    return RasterCodec(LatentSpace.load(editing.space))
+
+
+@cache
+def _pictures(folder: str) -> Any:
+    return load_weights(ImageDecoder, folder)
+
+
+@cache
+def chosen(data: str, split: str) -> list[Pattern]:
+    """Garments of a split, types in turn, in an order of their own."""
+    from garmentimage.dataset.read import patterns_of, tables
+
+    texts: dict[str, list[str]] = {}
+    for table in tables(data, split, ["type", "pattern"]):
+        for name, text in zip(table["type"].to_pylist(), table["pattern"].to_pylist()):
+            texts.setdefault(name, []).append(text)
+    random = np.random.default_rng(SEED)
+    for group in texts.values():
+        random.shuffle(group)
+    most = max(len(group) for group in texts.values())
+    turns = [group[k] for k in range(most) for group in texts.values() if k < len(group)]
+    return patterns_of(turns, data)
+
+
+@cache
+def _captioned(data: str, text: str) -> Pattern:
+    """The garment in training one of whose captions is nearest to a text, the first if several."""
+    from garmentimage.dataset.read import patterns_of, tables
+
+    first: dict[str, str] = {}
+    for table in tables(data, "train", ["captions", "pattern"]):
+        for captions, pattern in zip(table["captions"].to_pylist(), table["pattern"].to_pylist()):
+            for caption in captions:
+                first.setdefault(caption, pattern)
+    captions = list(first)
+    best = int((embedded(captions) @ embedded([text])[0]).argmax())
+    return patterns_of([first[captions[best]]], data)[0]
+
+
+def _items(editors: Sequence[Editing], data: str, garments: int, split: str) -> list[Item]:
+    known = chosen(data, split)
+    if len(known) < garments:
+        raise LearnError(
+            f"{shown_path(data)}: has {len(known)} garments of split {split}; this takes {garments}"
+        )
+    asked: list[tuple[int, int]] = []
+    for number, pattern in enumerate(known[:garments]):
+        start = traits(pattern)
+        asked += [
+            (k, number) for k, prompt in enumerate(PROMPTS) if start and is_asked(prompt, start)
+        ]
+    return [
+        Item(editing, prompt, garment, split, number)
+        for editing in editors
+        for number, (prompt, garment) in enumerate(asked)
+    ]

@@ -1,0 +1,102 @@
+"""Editing by text, measured: prompts judged by geometry, with networks trained for a moment."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from garmentimage.cli import main
+from garmentimage.draft.kinds import draft
+from garmentimage.evaluate.prompts import EXTREME, PROMPTS, is_asked, kept
+from garmentimage.evaluate.traits import traits
+
+DRESS, TROUSERS = draft("one-panel-dress"), draft("top-pants")
+BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}
+
+
+@pytest.mark.parametrize(
+    ("text", "start", "end"),
+    [
+        ("pants", DRESS, TROUSERS),
+        ("skirt", TROUSERS, DRESS),
+        ("dress", TROUSERS, DRESS),
+        ("two pieces", DRESS, TROUSERS),
+        ("long sleeves", DRESS, draft("one-panel-dress", sleeves="set-in", sleeve_length=1.0)),
+        ("short sleeves", DRESS, draft("one-panel-dress", sleeves="set-in", sleeve_length=0.5)),
+        ("sleeveless", draft("one-panel-dress", sleeves="set-in"), DRESS),
+        ("long", DRESS, draft("one-panel-dress", body_length=70)),
+        ("short", DRESS, draft("one-panel-dress", body_length=38)),
+        ("wide", DRESS, draft("one-panel-dress", flare=0.4)),
+        ("flared", TROUSERS, draft("top-pants", leg_flare=16)),
+        ("narrow", DRESS, draft("one-panel-dress", flare=0.0)),
+    ],
+)
+def test_a_prompt_holds_of_what_it_asks_for_and_is_asked_only_of_others(text, start, end):
+    prompt, before, after = BY_TEXT[text], traits(start), traits(end)
+    assert is_asked(prompt, before) and prompt.holds(before, after)
+    assert not prompt.holds(before, before)
+    if prompt.group != "geometry":
+        assert not is_asked(prompt, after)
+
+
+def test_there_are_twelve_prompts_in_three_groups():
+    groups = [prompt.group for prompt in PROMPTS]
+    assert [groups.count(name) for name in ("topology", "parts", "geometry")] == [4, 3, 5]
+    assert set(EXTREME) == {p.text for p in PROMPTS if p.group == "geometry"}
+
+
+def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
+    longer = draft("one-panel-dress", body_length=70)
+    sleeved = draft("one-panel-dress", sleeves="set-in", sleeve_length=1.0)
+    assert kept(BY_TEXT["long"], DRESS, longer) > 0.99
+    assert kept(BY_TEXT["long sleeves"], DRESS, longer) < 0.9
+    assert kept(BY_TEXT["long sleeves"], DRESS, sleeved) > 0.97
+    assert kept(BY_TEXT["long"], DRESS, sleeved) < 0.9
+    assert kept(BY_TEXT["pants"], DRESS, None) == 0
+    assert kept(BY_TEXT["pants"], DRESS, DRESS) == pytest.approx(1)
+
+
+@pytest.mark.slow
+def test_a_table_has_everyone_who_edits(trained, tmp_path, capsys):
+    folder = trained
+    words = [
+        "evaluate", "edit", "--data", folder / "data", "--space", folder / "vae" / "model",
+        "--pictures", folder / "pictures" / "model", "--denoiser", folder / "denoiser" / "model",
+        "--vectors", folder / "vector-vae" / "model",
+        "--vector-pictures", folder / "vector-pictures" / "model",
+        "--steps", 2, "--edited", 1, "--workers", 1, "-o", tmp_path / "out",
+    ]  # fmt: skip
+    assert main(list(map(str, words))) == 0
+    told = json.loads((tmp_path / "out" / "result.json").read_text())
+    editors = {"small guidance", "vectors, small guidance", "no guidance", "nearest caption"}
+    assert set(told["figures"]) == editors and told["split"] == "test"
+    counts = {figures["measured"] for figures in told["figures"].values()}
+    assert len(counts) == 1 and counts.pop() > 5
+    assert told["figures"]["nearest caption"]["all"]["valid"]["mean"] == 1
+    assert (tmp_path / "out" / "table.md").read_text().count("\n") > 12
+    assert np.asarray(Image.open(tmp_path / "out" / "edits.png")).shape[0] > 1500
+    before = {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")}
+    assert main(list(map(str, words))) == 0  # nothing is left to do
+    assert {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")} == before
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "name the dataset of the networks with --data"),
+        (["--data", "x", "--vectors", "y"], "give --vectors and --vector-pictures together"),
+        (["--data", "x", "--vae", "y"], "--vae is of `evaluate explore` only"),
+        (["--data", "x", "--seen", "3"], "--seen is of `evaluate image` only"),
+    ],
+)
+def test_a_wrong_call_is_told_in_a_sentence(words, message, tmp_path, capsys):
+    assert main(["evaluate", "edit", *words, "-o", str(tmp_path / "out")]) != 0
+    assert message in capsys.readouterr().err
+
+
+def test_a_garment_that_is_wide_already_is_not_asked_to_be_wide():
+    wide = traits(draft("one-panel-dress", flare=0.5))
+    assert not is_asked(BY_TEXT["wide"], wide) and is_asked(BY_TEXT["narrow"], wide)
+    assert is_asked(BY_TEXT["wide"], replace(wide, width=50.0))
