@@ -11,6 +11,8 @@ from garmentimage.files import safe_name, shown_path, write_together
 from garmentimage.terminal import Exit, list_facts, one_line, print_json
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from garmentimage.explore.strip import Shown
     from garmentimage.predict.network import Prediction
 
@@ -59,7 +61,6 @@ def _free_name(path: Path, taken: list[str]) -> str:
 
 def _put(path: Path, prediction: "Prediction", worn: "Shown") -> None:
     from garmentimage.drape.export import worn_bytes
-    from garmentimage.explore.strip import beside, strip
     from garmentimage.pattern.spec import pattern_text
     from garmentimage.raster.files import image_bytes
     from garmentimage.render.png import png_bytes
@@ -68,13 +69,20 @@ def _put(path: Path, prediction: "Prediction", worn: "Shown") -> None:
     assert step.image is not None  # it is made of one
     results: dict[str | PathLike[str], bytes | str] = {
         f"{path}.npz": image_bytes(step.image),
-        f"{path}.png": png_bytes(beside(prediction.photo.pixels, strip([worn]))),
+        f"{path}.png": png_bytes(_picture(prediction, worn)),
     }
     if step.pattern is not None:
         results[f"{path}.json"] = pattern_text(step.pattern)
     if worn.worn is not None:
         results[f"{path}.glb"] = worn_bytes(worn.worn, ".glb")
     write_together(results)
+
+
+def _picture(prediction: "Prediction", worn: "Shown") -> "np.ndarray":
+    """What the network saw and where it doubts, beside pattern, raster and drape."""
+    from garmentimage.explore.strip import beside, strip
+
+    return beside(prediction.photo.pixels, strip([worn]), prediction.doubts)
 
 
 def _facts(name: str, prediction: "Prediction", worn: "Shown") -> dict[str, Any]:

@@ -14,7 +14,7 @@ from garmentimage.errors import LearnError
 from garmentimage.learn.cascade import Cascade, CascadeConfig
 from garmentimage.learn.export import export_cascade
 from garmentimage.learn.pictured import Album, read_album
-from garmentimage.predict.network import PatternPredictor, certainty
+from garmentimage.predict.network import PatternPredictor, certainty, doubts_of
 from garmentimage.predict.photo import Photo, read_photo
 
 pytestmark = pytest.mark.slow
@@ -125,3 +125,16 @@ def test_certainty_is_of_cells_that_may_be_cloth():
     unsure = sure.copy()
     unsure[[0, 17], 4:8, 4:8] = 0.6
     assert certainty(unsure) < 0.3
+
+
+def test_doubts_are_where_a_network_is_unsure():
+    channels = np.zeros((34, 16, 16), np.float32)
+    channels[[1, 5, 18, 22]] = 1
+    channels[[0, 17], 4:8, 4:8] = 1
+    assert not doubts_of(channels).any()
+    channels[0, 4, 4] = 0.5
+    channels[1:5, 6, 6] = 0.25
+    told = doubts_of(channels)
+    assert told.shape == (2, 16, 16) and not told[1].any()
+    assert told[0, 4, 4] == 1 and 0.3 < told[0, 6, 6] < 0.5
+    assert np.count_nonzero(told) == 2

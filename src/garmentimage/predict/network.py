@@ -50,6 +50,11 @@ class Prediction:
     unlike those that it was trained on."""
 
     @property
+    def doubts(self) -> Float[np.ndarray, "layer row col"]:
+        """How unsure the network is of each cell, see `doubts_of`."""
+        return doubts_of(self.channels)
+
+    @property
     def is_sure(self) -> bool:
         """Whether there is reason to trust it."""
         return self.confidence >= SURE and not self.step.faults
@@ -135,15 +140,30 @@ def certainty(channels: Float32[np.ndarray, "34 row col"]) -> float:
 
     Of the flags of all cells that may be inside, and of the types of their grid edges; 1 is sure.
     """
+    flags, types, maybe = _shares(channels)
+    return float(flags[maybe].mean() * types[maybe].mean()) if maybe.any() else 0.0
+
+
+def doubts_of(
+    channels: Float32[np.ndarray, "34 row col"],
+) -> Float[np.ndarray, "layer row col"]:
+    """How unsure a network is of each cell: 0 sure, 1 it may be anything.
+
+    Of its flag and, where it may be inside, of the types of its bottom and left grid edges.
+    """
+    flags, types, maybe = _shares(channels)
+    return 1 - flags * np.where(maybe, types, 1.0)
+
+
+def _shares(
+    channels: Float32[np.ndarray, "34 row col"],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of each cell how sure its flag is, and its edge types, and whether it may be inside."""
     layers = channels.reshape(-1, CHANNELS_PER_LAYER, *channels.shape[1:])
     inside = layers[:, 0]
-    flags = np.abs(2 * inside - 1)
     kinds = layers[:, 1 : 1 + 2 * EDGE_TYPE_COUNT]
-    shares = kinds.reshape(len(layers), 2, EDGE_TYPE_COUNT, *inside.shape[1:]).max(2).mean(1)
-    maybe = inside > 0.05
-    if not maybe.any():
-        return 0.0
-    return float(flags[maybe].mean() * shares[maybe].mean())
+    types = kinds.reshape(len(layers), 2, EDGE_TYPE_COUNT, *inside.shape[1:]).max(2).mean(1)
+    return np.abs(2 * inside - 1), types, inside > 0.05
 
 
 def shrunk(pixels: UInt8[np.ndarray, "row col 3"]) -> Float[np.ndarray, " number"]:
