@@ -49,6 +49,7 @@ from garmentimage.predict_commands import predict_arguments, run_predict
 from garmentimage.render_commands import render_arguments, run_render
 from garmentimage.terminal import (
     Exit,
+    add_order,
     error_facts,
     errors_about,
     list_facts,
@@ -172,7 +173,7 @@ def _decode_arguments(parser: argparse.ArgumentParser) -> None:
         default="full",
         help="what to mend before decoding (default: full)",
     )
-    _add_order(parser)
+    add_order(parser)
 
 
 def _decode(options: argparse.Namespace) -> Exit:
@@ -205,7 +206,7 @@ def _show_arguments(parser: argparse.ArgumentParser) -> None:
         help="encode one pattern, decode it, and draw all three beside each other",
     )
     _add_grid(parser)
-    _add_order(parser)
+    add_order(parser)
 
 
 def _show(options: argparse.Namespace) -> Exit:
@@ -354,14 +355,6 @@ def _add_out(parser: argparse.ArgumentParser, metavar: str, text: str) -> None:
 def _add_grid(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--grid", type=_grid, default=16, metavar="N", help="cells along each side (default: 16)"
-    )
-
-
-def _add_order(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--order",
-        choices=("garmentimage", "authors"),
-        help="order of the channels of a .npy (default: told from the values)",
     )
 
 

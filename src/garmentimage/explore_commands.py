@@ -13,6 +13,7 @@ from garmentimage.errors import LearnError
 from garmentimage.files import shown_path, write_together
 from garmentimage.terminal import (
     Exit,
+    add_order,
     errors_about,
     list_facts,
     one_line,
@@ -55,7 +56,7 @@ def run_interpolate(options: argparse.Namespace) -> Exit:
     from garmentimage.explore.walk import interpolate
 
     space = _space(options)
-    a, b = (read_given(space, path) for path in (options.first, options.last))
+    a, b = (read_given(space, path, options.order) for path in (options.first, options.last))
     steps = interpolate(space, _image(a), _image(b), options.steps)
     columns = [Column(f"step-{k}", f"{k}/{len(steps) - 1}", step) for k, step in enumerate(steps)]
     ends = Column("", "A, as given", a), Column("", "B, as given", b)
@@ -87,7 +88,7 @@ def run_transfer(options: argparse.Namespace) -> Exit:
 
     space = _space(options)
     paths = (options.before, options.after, options.garment)
-    a, b, c = (read_given(space, path) for path in paths)
+    a, b, c = (read_given(space, path, options.order) for path in paths)
     strengths = STRENGTHS if options.strength is None else (options.strength,)
     images = (_image(each) for each in (a, b, c))
     edited = transfer(space, *images, settle=options.settle, strengths=strengths)
@@ -131,7 +132,7 @@ def run_nearest(options: argparse.Namespace) -> Exit:
     from garmentimage.render.show import compose, picture_bytes
 
     space = _space(options)
-    source = read_given(space, options.garment)
+    source = read_given(space, options.garment, options.order)
     found = nearest(space, _image(source), options.count)
     results: dict[str | PathLike[str], bytes | str] = {
         options.out / f"{row_id}.json": pattern_text(pattern) for row_id, _, pattern in found
@@ -168,6 +169,7 @@ def _common(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--space", default="vae-variety", metavar="NAME", help="a latent space or its folder"
     )
+    add_order(parser)
 
 
 def _space(options: argparse.Namespace) -> "LatentSpace":
@@ -208,13 +210,13 @@ def make_folder(out: Path) -> None:
         ) from None
 
 
-def read_given(space: "LatentSpace", path: Path) -> "Step":
+def read_given(space: "LatentSpace", path: Path, order: str | None = None) -> "Step":
     """A garment of the user's, and a warning where the network has not seen the like."""
     source: Pattern | GarmentImage
     if path.suffix.lower() in IMAGE_SUFFIXES:
         from garmentimage.raster.files import load_image
 
-        source = load_image(path)
+        source = load_image(path, order=order)
     else:
         from garmentimage.pattern.spec import read_pattern
 

@@ -46,6 +46,15 @@ def whole_number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"{quoted(text)} is no whole number") from None
 
 
+def add_order(parser: argparse.ArgumentParser) -> None:
+    """The option that tells the order of channels."""
+    parser.add_argument(
+        "--order",
+        choices=("garmentimage", "authors"),
+        help="order of the channels of a .npy (default: told from the values)",
+    )
+
+
 def list_facts(facts: dict[str, Any]) -> str:
     """Facts as a few words."""
     return ", ".join(f"{name} {value}" for name, value in facts.items())

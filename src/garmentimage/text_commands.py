@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 from garmentimage.errors import LearnError, quoted
 from garmentimage.explore_commands import make_folder, read_given
 from garmentimage.files import shown_path, write_together
-from garmentimage.terminal import Exit, list_facts, one_line, print_json, say, whole_number
+from garmentimage.terminal import (
+    Exit,
+    add_order,
+    list_facts,
+    one_line,
+    print_json,
+    say,
+    whole_number,
+)
 
 if TYPE_CHECKING:
     from garmentimage.explore.strip import Shown
@@ -47,6 +55,7 @@ def edit_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--wrap", metavar="TEXT", help="what the text is wrapped in, {} where it goes"
     )
+    add_order(parser)
 
 
 def run_edit(options: argparse.Namespace) -> Exit:
@@ -63,7 +72,7 @@ def run_edit(options: argparse.Namespace) -> Exit:
     text = checked_text(options.text)
     make_folder(options.out)
     editor = TextEditor.load(options.space or SPACE, options.pictures or PICTURES)
-    given = read_given(editor.space, options.garment)
+    given = read_given(editor.space, options.garment, options.order)
     guidance = _guidance(options, text)
     steps = STEPS_USUAL if options.steps is None else options.steps
     assert given.image is not None  # `LatentSpace.given` has one

@@ -101,7 +101,7 @@ def order_of(array: np.ndarray) -> ChannelOrder:
     if ours != theirs:
         return ChannelOrder.OURS if ours else ChannelOrder.AUTHORS
     fits = "both orders of channels fit" if ours else "neither order of channels fits"
-    raise ImageError(f"{fits}; say which it is, order 'garmentimage' or 'authors'")
+    raise ImageError(f"{fits}; say which it is, order 'garmentimage' or 'authors' (--order)")
 
 
 def _are_shares(values: np.ndarray) -> bool:
