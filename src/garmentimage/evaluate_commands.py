@@ -287,7 +287,7 @@ def _draw_guesses(
         album, _ = garments(data, split, held_out)
         numbers = order_of(album)[: min(SHOWN, amounts.of(split))]
         if numbers:
-            drawn = guesses_picture(list(chosen.values()), data, album, numbers)
+            drawn = guesses_picture(list(chosen.values()), data, held_out, album, numbers)
             write_atomically(folder / f"{name}.png", png_bytes(drawn))
 
 

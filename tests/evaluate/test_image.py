@@ -10,7 +10,7 @@ from PIL import Image
 from garmentimage.cli import main
 from garmentimage.dataset.read import row_count, shard_files
 from garmentimage.errors import DatasetError
-from garmentimage.evaluate.guesses import Guesser, named
+from garmentimage.evaluate.guesses import Guesser, guessing, named
 from garmentimage.evaluate.image import Amounts, Item, check_splits, evaluate, summary, with_parts
 
 pytestmark = pytest.mark.slow
@@ -120,6 +120,8 @@ def test_a_type_held_out_is_measured_as_unseen_and_must_have_been_left_out(
     told = evaluate(anchors, pictured, tmp_path / "one", amounts, held_out="top + pants", workers=1)
     assert told["splits"]["unseen types"] == ["top + pants"]
     assert "top + pants" not in told["splits"]["types learnt from"]
+    remembers = guessing(Guesser("nearest", "nearest"), str(pictured), "top + pants")
+    assert len(remembers.patterns) == 36 and not any("trouser" in p for p in remembers.patterns)
     wrong = named([str(runs / "cascade-0")])
     with pytest.raises(Exception, match="was trained on type 'top \\+ pants', too; train it with"):
         evaluate(wrong, pictured, tmp_path / "two", amounts, held_out="top + pants", workers=1)

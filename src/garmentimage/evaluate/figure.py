@@ -52,7 +52,11 @@ def edit_picture(codecs: Mapping[str, Codec], triplet: Triplet) -> UInt8[np.ndar
 
 
 def guesses_picture(
-    guessers: Sequence[Guesser], data: str, album: "Album", numbers: Sequence[int]
+    guessers: Sequence[Guesser],
+    data: str,
+    held_out: str,
+    album: "Album",
+    numbers: Sequence[int],
 ) -> UInt8[np.ndarray, "row col 3"]:
     """For some garments the picture, the true pattern, and what each guesser makes of it."""
     truths = patterns_of([album.patterns[number] for number in numbers], data)
@@ -60,7 +64,7 @@ def guesses_picture(
     for number, truth in zip(numbers, truths):
         columns = [shown(f"truth: {album.types[number]}", _step(truth, ""))]
         for guesser in guessers:
-            guess = guessing(guesser, data)(album, number)
+            guess = guessing(guesser, data, held_out)(album, number)
             columns.append(shown(guesser.name, _step(guess.pattern, guess.fault)))
         upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
         rows.append(beside(np.ascontiguousarray(upright), strip(columns)))

@@ -70,12 +70,13 @@ class Guessing(Protocol):
 
 
 @cache
-def guessing(guesser: Guesser, data: str) -> Guessing:
+def guessing(guesser: Guesser, data: str, held_out: str = "") -> Guessing:
     """A guesser at work, made once in each process.
 
     Args:
         guesser: who.
         data: folder of the dataset, for those who remember its training garments.
+        held_out: a type that they do not remember.
 
     Raises:
         LearnError: its network cannot be read.
@@ -86,7 +87,7 @@ def guessing(guesser: Guesser, data: str) -> Guessing:
     if guesser.kind == "slots":
         return _Slots(folder)
     if guesser.kind == "nearest":
-        return _Nearest(data)
+        return _Nearest(data, held_out)
     if guesser.kind == "random":
         return _random
     return _Given(folder, guesser.kind, guesser.level)
@@ -201,14 +202,21 @@ def _checked(pattern: Pattern) -> Guess:
 class _Nearest:
     """The garment of that picture of the training split which is nearest to it."""
 
-    def __init__(self, data: str) -> None:
+    def __init__(self, data: str, held_out: str) -> None:
         from garmentimage.dataset.read import tables
         from garmentimage.learn.pictured import PICTURE, pixels
 
-        self.data, self.patterns, thumbs = data, [], []
-        for table in tables(data, "train", ["pattern", PICTURE]):
-            self.patterns += table["pattern"].to_pylist()
-            thumbs += [thumb(pixels(each["bytes"])) for each in table[PICTURE].to_pylist()]
+        self.data = data
+        self.patterns: list[str] = []
+        thumbs = []
+        for table in tables(data, "train", ["type", "pattern", PICTURE]):
+            types, patterns, pictures = (
+                table[name].to_pylist() for name in ("type", "pattern", PICTURE)
+            )
+            for name, pattern, picture in zip(types, patterns, pictures):
+                if name != held_out:
+                    self.patterns.append(pattern)
+                    thumbs.append(thumb(pixels(picture["bytes"])))
         self.thumbs = np.stack(thumbs)
 
     def __call__(self, album: "Album", number: int) -> Guess:

@@ -133,7 +133,7 @@ def evaluate(
     for guesser in guessers:
         if guesser.folder:
             _check_training(guesser, told["data_sha256"], held_out)
-            guessing(guesser, str(data))
+            guessing(guesser, str(data), held_out)
     kept = Records(folder, asdict(amounts), {each.key: told | _hash(each) for each in guessers})
     items = _items(guessers, str(data), held_out, amounts, validation)
     records = {}
@@ -161,7 +161,7 @@ def evaluate(
 def measured(item: Item) -> dict[str, Any]:
     """The record of an item."""
     album, patterns = garments(item.data, item.split, item.held_out, item.validation)
-    guess = guessing(item.guesser, item.data)(album, item.number)
+    guess = guessing(item.guesser, item.data, item.held_out)(album, item.number)
     truth = patterns[item.number]
     found = likeness(truth, guess.pattern)
     worn = seen(guess.pattern, guess.fault).valid if item.worn else None
