@@ -1,7 +1,5 @@
 """Pictures to images: the three networks of the cascade, and what they learn from."""
 
-from dataclasses import replace
-
 import pytest
 import torch
 
@@ -39,9 +37,7 @@ def test_types_are_left_out_of_an_album(pictured):
 def test_a_cascade_learns_a_few_garments_by_heart(pictured, config):
     torch.manual_seed(0)
     batch = read_album(pictured, "train").garments.batch(torch.arange(12))
-    model = Cascade(
-        CascadeConfig(channels=(32, 32, 32), squares=config.squares, noise=0.0, own=0.0)
-    )
+    model = Cascade(CascadeConfig(channels=(32, 32, 32), squares=config.squares, noise=0.0))
     optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
     first = model(batch)["loss"].item()
     for _ in range(80):
@@ -81,18 +77,3 @@ def test_noise_changes_a_share_of_boundaries_and_nothing_else():
     assert torch.equal(found.sum(2), torch.ones(50, 4, 16, 16))
     wrong = (found != types).any(2)
     assert not wrong[:, :, :5].any() and 0.1 < wrong[:, :, 5].float().mean() < 0.2
-
-
-@pytest.mark.slow
-def test_networks_are_taught_with_what_those_before_them_made(pictured):
-    batch = read_album(pictured, "train").garments.batch(torch.arange(6))
-    torch.manual_seed(0)
-    model = Cascade(replace(SMALL, noise=0.0, own=1.0))
-    seen = []
-    model.to_vectors.register_forward_pre_hook(lambda _, given: seen.append(given[1]))
-    model(batch)
-    model.predict(batch.seen())
-    assert torch.equal(seen[0], seen[1])
-    model.eval()
-    model(batch)  # what is followed on is always the truth
-    assert torch.equal(seen[2], batch.rasters.inputs()[:, : seen[2].shape[1]])

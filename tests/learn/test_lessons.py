@@ -44,9 +44,8 @@ def test_a_cascade_as_in_the_paper_leaves_out_what_is_ours(pictured, tmp_path):
     assert told["losses"].squares and told["losses"].noise == ours.noise
     assert told["noise"].noise == 0 and not told["noise"].squares
     assert told["weights"].boundary_weight == 1 and told["weights"].noise == ours.noise
-    assert told["own"].own == 0 and told["own"].noise == ours.noise
     every = told["all"]
-    assert (every.squares, every.noise, every.boundary_weight, every.own) == (True, 0, 1, 0)
+    assert (every.squares, every.noise, every.boundary_weight) == (True, 0, 1)
 
 
 @pytest.mark.slow

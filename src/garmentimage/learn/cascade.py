@@ -34,8 +34,6 @@ class CascadeConfig:
     """Flags and vectors are judged by squares, not by cross-entropy and distance."""
     noise: float = 0.02
     """Share of flags and edge types at boundaries that are wrong in what is taught with."""
-    own: float = 0.5
-    """Share of garments that a network is taught with what those before it made of them."""
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
 
@@ -46,13 +44,8 @@ class CascadeConfig:
 
 SURE = 20.0
 """Logit of what is certain."""
-PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0, own=0.0)
-DEPARTURES = {
-    "losses": ("squares",),
-    "noise": ("noise",),
-    "weights": ("boundary_weight",),
-    "own": ("own",),
-}
+PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0)
+DEPARTURES = {"losses": ("squares",), "noise": ("noise",), "weights": ("boundary_weight",)}
 """What of ours may be left out, and the settings that are then as in the paper."""
 
 
@@ -74,16 +67,12 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]
         if config.noise and self.training:
             flags, types = flipped(flags, config.noise), redrawn(types, config.noise)
-        alone = torch.rand(len(seen), 1, 1, 1, device=seen.device) < config.own * self.training
-        flag_logits = self.to_flags(seen)
-        flags = torch.where(alone, (flag_logits > 0).float(), flags)
-        type_logits = self.to_types(seen, flags)
-        types = torch.where(alone, likeliest_types(type_logits), types)
-        vectors = self.to_vectors(seen, torch.cat([flags, types], 1))
         parts = {
-            "flags": self._flag_loss(flag_logits, truth.inside.float()),
-            "types": self._type_loss(type_logits, truth.types.long()),
-            "vectors": self._vector_loss(vectors, truth.vectors, truth.inside),
+            "flags": self._flag_loss(self.to_flags(seen), truth.inside.float()),
+            "types": self._type_loss(self.to_types(seen, flags), truth.types.long()),
+            "vectors": self._vector_loss(
+                self.to_vectors(seen, torch.cat([flags, types], 1)), truth.vectors, truth.inside
+            ),
         }
         parts["loss"] = parts["flags"] + parts["types"] + parts["vectors"]
         return parts
