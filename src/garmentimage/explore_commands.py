@@ -267,7 +267,7 @@ def _write(
         results[options.out / "film.gif"] = pictures.film(list(made.values()))
     _put(options, results)
     _remove_older(options.out, next(iter(made)), results)
-    _tell(options, made)
+    _tell(options, made, film=film)
     return Exit.OK
 
 
@@ -296,7 +296,7 @@ def _put(options: argparse.Namespace, results: Mapping[str | PathLike[str], byte
     write_together(results)
 
 
-def _tell(options: argparse.Namespace, made: "Mapping[str, Shown]") -> None:
+def _tell(options: argparse.Namespace, made: "Mapping[str, Shown]", *, film: bool) -> None:
     told: list[dict[str, Any]] = [
         {
             "name": name,
@@ -318,3 +318,5 @@ def _tell(options: argparse.Namespace, made: "Mapping[str, Shown]") -> None:
         faults = "; ".join(each["faults"])
         print(f"{said}; NOT a garment that can be worn: {faults}" if faults else said)
     print(f"{shown_path(options.out / 'strip.png')}: all of them beside each other")
+    if film:
+        print(f"{shown_path(options.out / 'film.gif')}: the way there and back")

@@ -12,7 +12,7 @@ from garmentimage.drape.wear import drape
 from garmentimage.drape.worn import Worn
 from garmentimage.errors import GarmentImageError
 from garmentimage.explore.space import Step
-from garmentimage.render.flat import draw_pattern
+from garmentimage.render.flat import draw_pattern, drawn_size
 from garmentimage.render.look import Look, photograph
 from garmentimage.render.raster import draw_image
 from garmentimage.render.show import picture_bytes
@@ -60,16 +60,22 @@ def shown(title: str, step: Step) -> Shown:
 
 
 def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
-    """All steps beside each other: pattern, raster, and worn; what is wrong with it in red."""
+    """All steps beside each other, at one scale: pattern, raster, and worn.
+
+    What is wrong with one is told in red.
+    """
     from matplotlib.figure import Figure
     from PIL import Image
 
     raster = RASTER_IN if any(column.step.image is not None for column in columns) else 0.0
     width, height = COLUMN_IN * len(columns), TITLE_IN + PATTERN_IN + raster + WORN_IN
     figure = Figure(figsize=(width, height), facecolor=PAPER)
+    patterns = [column.step.pattern for column in columns if column.step.pattern is not None]
+    sizes = [drawn_size(pattern) for pattern in patterns]
+    room = max((w for w, _ in sizes), default=0.0), max((h for _, h in sizes), default=0.0)
     for number, column in enumerate(columns):
         place = (number / len(columns), 1 / len(columns))
-        _draw(figure, column, place, height, height - TITLE_IN - PATTERN_IN)
+        _draw(figure, column, place, height, height - TITLE_IN - PATTERN_IN, room)
     raw = picture_bytes(figure, "png", dpi=DPI)
     return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
 
@@ -133,9 +139,17 @@ def film(columns: Sequence[Shown]) -> bytes:
 
 
 def _draw(
-    figure: "Figure", column: Shown, place: tuple[float, float], height: float, floor: float
+    figure: "Figure",
+    column: Shown,
+    place: tuple[float, float],
+    height: float,
+    floor: float,
+    room: tuple[float, float],
 ) -> None:
-    """One column, from `place[0]`, `place[1]` wide; `floor` is where the pattern stands [inch]."""
+    """One column, from `place[0]`, `place[1]` wide; `floor` is where the pattern stands [inch].
+
+    `room` is what every pattern gets [cm].
+    """
     colour = WARNING if column.faults else INK
     left, wide = place
     middle, inset = left + wide / 2, 0.03 * wide
@@ -159,7 +173,7 @@ def _draw(
     if column.faults:
         write(height - 0.7 * TITLE_IN, column.faults[0][:44], 5.5, WARNING)
     if column.step.pattern is not None:
-        draw_pattern(column.step.pattern, axes(floor, PATTERN_IN))
+        draw_pattern(column.step.pattern, axes(floor, PATTERN_IN), room=room)
     if column.step.image is not None:
         draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
     if column.worn is not None:

@@ -45,7 +45,19 @@ NAME_LIMIT = 40
 """With more panels than this the names are left out."""
 
 
-def draw_pattern(pattern: Pattern, ax: "Axes", *, arrangement: Arrangement = "worn") -> None:
+def drawn_size(pattern: Pattern, *, arrangement: Arrangement = "worn") -> tuple[float, float]:
+    """Width and height that the panels take in `draw_pattern` [cm]."""
+    low, high = bounds(arrange(pattern, arrangement))
+    return float(high[0] - low[0]), float(high[1] - low[1])
+
+
+def draw_pattern(
+    pattern: Pattern,
+    ax: "Axes",
+    *,
+    arrangement: Arrangement = "worn",
+    room: tuple[float, float] = (0.0, 0.0),
+) -> None:
     """Draw all panels of a pattern on matplotlib axes, 1 unit = 1 cm.
 
     Args:
@@ -53,13 +65,16 @@ def draw_pattern(pattern: Pattern, ax: "Axes", *, arrangement: Arrangement = "wo
         ax: where; its limits, aspect and frame are set.
         arrangement: "worn" draws front and back, each panel about where it hangs;
             "table" packs the panels in rows, in their own frames.
+        room: least width and height [cm]; given the largest `drawn_size` of several patterns, all
+            are drawn at one scale.
     """
     placed = arrange(pattern, arrangement)
     low, high = bounds(placed)
-    size = float((high - low).max())
+    spare = np.maximum(np.array(room) - (high - low), 0.0) / 2
+    size = float((high - low + 2 * spare).max())
     pad = 0.03 * size
-    ax.set_xlim(low[0] - pad, high[0] + pad)
-    ax.set_ylim(low[1] - 3.5 * pad, high[1] + 2.5 * pad)
+    ax.set_xlim(low[0] - spare[0] - pad, high[0] + spare[0] + pad)
+    ax.set_ylim(low[1] - spare[1] - 3.5 * pad, high[1] + spare[1] + 2.5 * pad)
     ax.set_aspect("equal")
     ax.set_axis_off()
     letter = LETTERING * _cm_per_point(ax)
