@@ -33,6 +33,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 BODIES = (ROOT / "docs" / "bodies.md").read_text(encoding="utf-8")
 DRAPE = (ROOT / "docs" / "drape.md").read_text(encoding="utf-8")
 EXPLORE = (ROOT / "docs" / "explore.md").read_text(encoding="utf-8")
+METRICS = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 
 
@@ -178,3 +179,14 @@ def test_the_options_of_the_documents_are_known(capsys):
     known = capsys.readouterr().out
     for option in re.findall(r"`(--[\w-]+)", DRAPE):
         assert option in known
+
+
+def test_the_code_on_metrics_runs_as_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    shutil.copy(example_path("dress"), tmp_path / "out" / "dress.json")
+    names: dict[str, object] = {}
+    for code in blocks(METRICS, "python"):
+        exec(code, names)
+    told = capsys.readouterr().out
+    assert "Interval(mean=" in told and "aipparel {" in told

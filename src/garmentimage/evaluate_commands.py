@@ -194,7 +194,8 @@ def _draw(
 def _run_image(options: argparse.Namespace) -> Exit:
     from garmentimage.dataset.sheet import dataset_hash, summary_of
     from garmentimage.evaluate.guesses import named
-    from garmentimage.evaluate.image import Amounts, evaluate, groups, with_parts
+    from garmentimage.evaluate.image import Amounts, evaluate, with_parts
+    from garmentimage.evaluate.splits import groups
     from garmentimage.evaluate.table import image_table
 
     if options.data is None and options.recipe is None:
@@ -260,7 +261,7 @@ def _folder(held_out: str) -> str:
 
 def _facts(guessers: Sequence["Guesser"]) -> list[dict[str, Any]]:
     """Of each network its folder, and the facts of its run."""
-    from garmentimage.evaluate.image import run_of
+    from garmentimage.evaluate.splits import run_of
 
     told: list[dict[str, Any]] = []
     for guesser in guessers:

@@ -11,7 +11,8 @@ from garmentimage.cli import main
 from garmentimage.dataset.read import row_count, shard_files
 from garmentimage.errors import DatasetError
 from garmentimage.evaluate.guesses import Guesser, guessing, named
-from garmentimage.evaluate.image import Amounts, Item, check_splits, evaluate, summary, with_parts
+from garmentimage.evaluate.image import Amounts, Item, evaluate, summary, with_parts
+from garmentimage.evaluate.splits import check_splits
 
 pytestmark = pytest.mark.slow
 SMALL = ["--seen", "3", "--unseen", "4", "--parts", "2", "--draped", "1", "--workers", "1"]

@@ -1,0 +1,128 @@
+"""Proof that networks were not trained on the garments that they are measured on."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from garmentimage.errors import DatasetError, LearnError, quoted
+from garmentimage.evaluate.guesses import Guesser
+from garmentimage.evaluate.records import RUN_FILE
+from garmentimage.files import shown_path
+
+SPLITS = ("test", "unseen")
+"""Of a dataset: garments of types that were trained on, and of others."""
+
+
+def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
+    """Prove that no garment that is measured on is one that networks learn from.
+
+    Neither its row, nor its pattern, nor its type where it is unseen; nor who wears it, where the
+    recipe has bodies for test.
+
+    Returns:
+        How much was learnt from, and how much of it is in test: nothing.
+
+    Raises:
+        DatasetError: says what is in both.
+    """
+    from garmentimage.dataset.recipe import recipe
+    from garmentimage.dataset.sheet import summary_of
+
+    bodies = ("body",) if recipe(summary_of(data)["recipe"]).test_bodies else ()
+    told = ("id", "pattern", "type", *bodies)
+    learnt: dict[str, set[str]] = {name: set() for name in told}
+    for split in ("train", "validation"):
+        for name, values in _told(data, split, told, held_out).items():
+            learnt[name] |= values
+    shared: dict[str, int] = {}
+    unseen_types = {held_out} if held_out else set()
+    for split in SPLITS:
+        for name, values in _told(data, split, told).items():
+            if name == "type" and split == "unseen" and not held_out:
+                unseen_types |= values
+            if name == "type" and split == "test":
+                continue
+            both = learnt[name] & values
+            if both:
+                raise DatasetError(
+                    f"{shown_path(data)}: {len(both)} of split {quoted(split)} have the same "
+                    f"{name} as garments in training, such as {quoted(min(both)[:60])}"
+                )
+            shared[f"{name} of split {split} in training"] = len(both)
+    return {
+        "rows learnt from": len(learnt["id"]),
+        "types learnt from": sorted(learnt["type"]),
+        "unseen types": sorted(unseen_types),
+        **shared,
+    }
+
+
+def _told(data: Path, split: str, columns: Sequence[str], without: str = "") -> dict[str, set[str]]:
+    """All values of some columns in a split; none where there is no such split."""
+    from garmentimage.dataset.read import shard_files, tables
+
+    found: dict[str, set[str]] = {name: set() for name in columns}
+    if not any(file.name.startswith(f"{split}-") for file in shard_files(data)):
+        return found
+    for table in tables(data, split, list(columns)):
+        kept = [name != without for name in table["type"].to_pylist()]
+        for name, values in found.items():
+            values.update(v for v, is_kept in zip(table[name].to_pylist(), kept) if is_kept)
+    return found
+
+
+def check_training(guesser: Guesser, data_sha256: str, held_out: str) -> None:
+    """Refuse a network that was trained on other data: the garments measured on may be in those."""
+    run = run_of(guesser)
+    if not run:
+        return  # not from a run of this machine; its card tells what it was trained on
+    trained, without = run.get("data_sha256"), run.get("without", [])
+    if trained != data_sha256:
+        raise LearnError(
+            f"{shown_path(guesser.folder)}: was trained on other data than it is to be measured on"
+        )
+    if held_out and held_out not in without:
+        raise LearnError(
+            f"{shown_path(guesser.folder)}: was trained on type {quoted(held_out)}, too; train it "
+            f"with --without {quoted(held_out)}"
+        )
+
+
+def run_of(guesser: Guesser) -> dict[str, Any]:
+    """What is known of the run that a network came from; nothing where it was copied away."""
+    file = Path(guesser.folder).parent / RUN_FILE
+    if not file.is_file():
+        return {}
+    try:
+        run = json.loads(file.read_text(encoding="utf-8"))["run"]
+        return dict(run)
+    except (ValueError, KeyError, TypeError):
+        raise LearnError(f"{shown_path(file)}: is damaged") from None
+
+
+def groups(
+    guessers: Sequence[Guesser], data: Path, *, validation: bool = False
+) -> dict[str, list[Guesser]]:
+    """Guessers by the type that their networks were trained without; "" where splits tell it.
+
+    For validation they never tell it.
+
+    Raises:
+        LearnError: it is not known of a network, or there is no such type and no unseen split.
+    """
+    from garmentimage.dataset.read import shard_files
+
+    is_told = any(file.name.startswith("unseen-") for file in shard_files(data))
+    if is_told and not (validation and any(run_of(each).get("without") for each in guessers)):
+        return {"": list(guessers)}
+    found: dict[str, list[Guesser]] = {}
+    for guesser in guessers:
+        without = run_of(guesser).get("without", [])
+        if len(without) != 1:
+            raise LearnError(
+                f"{shown_path(guesser.folder)}: was trained without {len(without)} types; this "
+                "dataset takes networks that were trained without one"
+            )
+        found.setdefault(without[0], []).append(guesser)
+    return found
