@@ -86,18 +86,17 @@ class VectorCodec:
 
     Args:
         folder: the network.
-        data: the dataset that it was trained on, for the topologies.
     """
 
-    def __init__(self, folder: Path, data: Path) -> None:
+    def __init__(self, folder: Path) -> None:
         import torch
 
         from garmentimage.learn.vector_vae import VectorVAE
-        from garmentimage.learn.vectors import read_patterns, vocabulary
+        from garmentimage.learn.vectors import read_vocabulary
         from garmentimage.learn.weights import load_weights
 
         torch.set_num_threads(1)
-        self.words = vocabulary(read_patterns(data, "train"))
+        self.words = read_vocabulary(folder)
         self.model = load_weights(VectorVAE, folder)
 
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:

@@ -263,7 +263,7 @@ def codec_of(judged: Judged) -> Codec:
     if not judged.folder:
         return PlainCodec()
     if judged.level is None:
-        return VectorCodec(Path(judged.folder), Path(judged.data))
+        return VectorCodec(Path(judged.folder))
     return RasterCodec(LatentSpace.load(judged.folder), judged.level)
 
 

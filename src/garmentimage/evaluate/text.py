@@ -194,7 +194,7 @@ def _moved(editing: Editing, z: np.ndarray, text: str) -> np.ndarray:
 def codec_of(editing: Editing) -> Codec:
     """An editor's latent space, loaded once in each process."""
     if editing.kind == "vectors":
-        return VectorCodec(Path(editing.space), Path(editing.data))
+        return VectorCodec(Path(editing.space))
     return RasterCodec(LatentSpace.load(editing.space))
 
 

@@ -18,7 +18,7 @@ from garmentimage.learn.garment_vae import GarmentVAE
 from garmentimage.learn.pictured import PICTURE, Album, pixels
 from garmentimage.learn.sentences import embedded
 from garmentimage.learn.vector_vae import VectorVAE
-from garmentimage.learn.vectors import Vocabulary, read_patterns, vectors, vocabulary
+from garmentimage.learn.vectors import Vocabulary, read_vocabulary, vectors
 from garmentimage.learn.weights import load_weights
 
 Encode = Callable[[Album], tuple[Tensor, Tensor]]
@@ -60,12 +60,11 @@ def worn(album: Album, encode: Encode) -> Worn:
     return Worn(latents, spread, album.garments.pictures)
 
 
-def latents_of(vae: Path, data: Path) -> Encode:
+def latents_of(vae: Path) -> Encode:
     """How a trained VAE, of GarmentImages or of vectors, encodes garments.
 
     Args:
         vae: folder of the network.
-        data: the dataset that it was trained on; vectors need its panel kinds.
 
     Raises:
         LearnError: the folder holds neither.
@@ -75,7 +74,7 @@ def latents_of(vae: Path, data: Path) -> Encode:
     except (OSError, ValueError) as error:
         raise LearnError(f"{shown_path(vae)}: holds no VAE ({type(error).__name__})") from None
     if is_vectors:
-        return _of_vectors(load_weights(VectorVAE, vae), vocabulary(read_patterns(data, "train")))
+        return _of_vectors(load_weights(VectorVAE, vae), read_vocabulary(vae))
     return _of_rasters(load_weights(GarmentVAE, vae))
 
 

@@ -11,7 +11,7 @@ from torch import nn
 
 from garmentimage.errors import LearnError
 from garmentimage.explore.space import CONFIG
-from garmentimage.files import write_together
+from garmentimage.files import write_atomically, write_together
 from garmentimage.learn.export import CARD, WEIGHTS, export, export_cascade, half_bytes
 from garmentimage.learn.train import Examples
 from garmentimage.provenance import weights_hash
@@ -75,11 +75,16 @@ def vae_lesson(wanted: Wanted) -> Lesson:
 def vector_vae_lesson(wanted: Wanted) -> Lesson:
     """The paper's baseline of the VAE."""
     from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
-    from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
+    from garmentimage.learn.vectors import WORDS, read_patterns, vectors, vocabulary
 
     known, held_out = (read_patterns(wanted.data, split) for split in ("train", "validation"))
     words = vocabulary(known)
     config = replace(VectorVAEConfig(len(words.panels), words.vertices), **_beta(wanted))
+
+    def keep(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
+        _save_pretrained(model, facts, card, folder)
+        write_atomically(folder / WORDS, words.to_json())
+
     return Lesson(
         "Vector VAE",
         "The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors.",
@@ -87,7 +92,7 @@ def vector_vae_lesson(wanted: Wanted) -> Lesson:
         lambda: VectorVAE(config),
         vectors(known, words),
         vectors(held_out, words),
-        _save_pretrained,
+        keep,
     )
 
 
@@ -177,7 +182,7 @@ def image_decoder_lesson(wanted: Wanted) -> Lesson:
     if wanted.vae is None:
         raise LearnError("name the VAE whose latent vectors become pictures with --vae")
     albums = [read_album(wanted.data, split) for split in ("train", "validation")]
-    encode = latents_of(wanted.vae, wanted.data)
+    encode = latents_of(wanted.vae)
     known, held_out = (worn(album, encode) for album in albums)
     config = ImageDecoderConfig(known.latents.shape[1], known.pictures.shape[-1])
     return Lesson(
@@ -245,7 +250,7 @@ def _channels_last(model: nn.Module) -> nn.Module:
 
 def _save_pretrained(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
     model.save_pretrained(folder)
-    (folder / CARD).write_text(card, encoding="utf-8")
+    write_atomically(folder / CARD, card)
 
 
 def _save_halves(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:

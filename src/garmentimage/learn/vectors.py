@@ -7,6 +7,7 @@ them from the nearest topology that was trained on. What the paper leaves open i
 there; here each has a flag.
 """
 
+import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from torch import Tensor
 
 from garmentimage.dataset.read import patterns_of, tables
 from garmentimage.errors import DecodeError, LearnError, quoted
+from garmentimage.files import shown_path
 from garmentimage.pattern.model import (
     Cubic,
     Edge,
@@ -35,6 +37,8 @@ UNIT_CM = 30.0
 """Unit of coordinates."""
 STRAIGHTEST = 0.02
 """Edges whose control point is nearer to their middle, in their length, are straight."""
+WORDS = "words.json"
+"""File of the vocabulary, beside the weights of a network."""
 NUMBERS = 4
 """Of a vertex."""
 
@@ -104,6 +108,23 @@ class Vocabulary:
         )
         return Pattern(tuple(panels), stitches)
 
+    def to_json(self) -> str:
+        """All of it as text; see `vocabulary_from_json`."""
+        topologies = [
+            {
+                "vertices": dict(topology),
+                "places": {name: [list(v) for v in place] for name, place in known.places.items()},
+                "stitches": [
+                    [s.a.panel, s.a.edge, s.b.panel, s.b.edge, s.same_direction]
+                    for s in known.stitches
+                ],
+            }
+            for topology, known in self.topologies.items()
+        ]
+        return json.dumps(
+            {"panels": self.panels, "vertices": self.vertices, "topologies": topologies}
+        )
+
     def nearest(self, found: dict[str, int]) -> Topology:
         """The known topology that shares most panels, then most numbers of vertices."""
 
@@ -169,6 +190,46 @@ def vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:
         for topology, counter in seams.items()
     }
     return Vocabulary(tuple(names), most, known)
+
+
+def vocabulary_from_json(text: str) -> Vocabulary:
+    """A vocabulary that was written as text.
+
+    Raises:
+        ValueError, KeyError, TypeError: it is none.
+    """
+    told = json.loads(text)
+    topologies = {}
+    for each in told["topologies"]:
+        places = {name: (_three(a), _three(b)) for name, (a, b) in each["places"].items()}
+        stitches = tuple(
+            Stitch(Side(str(p), int(i)), Side(str(q), int(j)), bool(same))
+            for p, i, q, j, same in each["stitches"]
+        )
+        vertices = tuple(sorted((str(n), int(count)) for n, count in each["vertices"].items()))
+        topologies[vertices] = Known(places, stitches)
+    return Vocabulary(tuple(map(str, told["panels"])), int(told["vertices"]), topologies)
+
+
+def read_vocabulary(network: Path) -> Vocabulary:
+    """The vocabulary of a trained network, from its folder.
+
+    Raises:
+        LearnError: it is not there, or damaged.
+    """
+    file = network / WORDS
+    try:
+        return vocabulary_from_json(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise LearnError(
+            f"{shown_path(file)}: is not there, or damaged; `garmentimage train vector-vae` writes "
+            "it with the network"
+        ) from None
+
+
+def _three(values: Sequence[float]) -> Vector:
+    x, y, z = map(float, values)
+    return x, y, z
 
 
 def vectors(patterns: Sequence[Pattern], words: Vocabulary) -> Vectors:
