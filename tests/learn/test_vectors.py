@@ -5,7 +5,14 @@ import pytest
 
 from garmentimage.draft.sample import sample
 from garmentimage.errors import DecodeError, LearnError
-from garmentimage.learn.vectors import read_patterns, topology_of, vectors, vocabulary
+from garmentimage.learn.vectors import (
+    read_patterns,
+    read_vocabulary,
+    topology_of,
+    vectors,
+    vocabulary,
+    vocabulary_from_json,
+)
 from garmentimage.metrics import match_panels, validity
 
 KINDS = {"one-panel-dress": {"cutout": "none"}, "top-pants": {}, "skirt": {}}
@@ -58,3 +65,13 @@ def test_vectors_of_a_split_go_into_batches(data):
     found = vectors(patterns, vocabulary(patterns))
     assert len(found) == 54
     assert found.numbers.shape[:3] == found.there.shape
+
+
+def test_a_vocabulary_comes_back_from_its_text(data, tmp_path):
+    words = vocabulary(read_patterns(data, "train"))
+    assert vocabulary_from_json(words.to_json()) == words
+    with pytest.raises(LearnError, match=r"words\.json: is not there, or damaged"):
+        read_vocabulary(tmp_path)
+    (tmp_path / "words.json").write_text('{"panels": 3}')
+    with pytest.raises(LearnError, match=r"words\.json: is not there, or damaged"):
+        read_vocabulary(tmp_path)
