@@ -1,12 +1,13 @@
 """Every network from one command: trained, resumed, kept with its card."""
 
 import json
+from dataclasses import replace
 
 import pytest
 import torch
 
 from garmentimage.cli import main
-from garmentimage.learn.cascade import Cascade, CascadeConfig
+from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig
 from garmentimage.learn.slot_networks import SLOT_NETWORKS
 from garmentimage.learn.weights import load_weights
 from garmentimage.learn_commands import BASELINES, DEPARTURES
@@ -44,8 +45,9 @@ def test_a_cascade_as_in_the_paper_leaves_out_what_is_ours(pictured, tmp_path):
     assert told["losses"].squares and told["losses"].noise == ours.noise
     assert told["noise"].noise == 0 and not told["noise"].squares
     assert told["weights"].boundary_weight == 1 and told["weights"].noise == ours.noise
-    every = told["all"]
-    assert (every.squares, every.noise, every.boundary_weight) == (True, 0, 1)
+    assert not told["mirror"].mirror and told["mirror"].dropout == ours.dropout
+    assert told["dropout"].dropout == 0 and told["dropout"].mirror
+    assert replace(told["all"], grid=PAPER.grid) == PAPER
 
 
 @pytest.mark.slow

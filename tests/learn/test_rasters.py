@@ -5,10 +5,14 @@ import pytest
 import torch
 from hypothesis import given
 
+from garmentimage.draft.sample import sample
 from garmentimage.errors import DatasetError
 from garmentimage.learn.garment_vae import FLAGS, TYPES, from_channels, image_losses, to_channels
 from garmentimage.learn.rasters import Rasters, read_rasters
 from garmentimage.learn.rasters import from_channels as rasters_from_channels
+from garmentimage.metrics import match_panels
+from garmentimage.raster.decode import decode
+from garmentimage.raster.encode import encode
 from garmentimage.raster.image import GarmentImage
 from tests.images import images
 
@@ -54,3 +58,20 @@ def test_rasters_of_a_split_are_those_of_its_rows(data):
     assert torch.equal(part.inside[0], found.rasters.inside[3])
     with pytest.raises(DatasetError, match="there is no split 'tests'"):
         read_rasters(data, "tests")
+
+
+@pytest.mark.parametrize("kind", ["one-panel-dress", "top-pants"])
+def test_a_mirrored_raster_is_that_of_the_mirrored_garment(kind):
+    for made in sample(kind, 3, 3):
+        image = encode(made.pattern)
+        raster = rasters_of(image)
+        mirrored = raster.mirrored()
+        twice = mirrored.mirrored()
+        assert all(torch.equal(a, b) for a, b in zip(vars(twice).values(), vars(raster).values()))
+        found = decode(to_channels(sure(mirrored.inputs()))[0].numpy())
+        there = decode(to_channels(sure(raster.inputs()))[0].numpy())
+        assert match_panels(there, found, any_pose=True).mean_iou > 0.998
+        wide = [[p.to_world(np.array(p.outline.vertices))[:, 0] for p in g.panels]
+                for g in (there, found)]  # fmt: skip
+        left, right = (np.concatenate(each) for each in wide)
+        assert left.min() == pytest.approx(-right.max(), abs=1.5)

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from PIL import Image
 from garmentimage import load_pattern
 from garmentimage.cli import main
 from garmentimage.errors import LearnError
-from garmentimage.learn.cascade import Cascade, CascadeConfig
+from garmentimage.learn.cascade import PAPER, Cascade
 from garmentimage.learn.export import export_cascade
 from garmentimage.learn.pictured import Album, read_album
 from garmentimage.predict.network import PatternPredictor, certainty, doubts_of
@@ -26,7 +27,7 @@ def made(pictured, tmp_path_factory):
     folder = tmp_path_factory.mktemp("cascade")
     album = first_of(read_album(pictured, "train"), 12)
     torch.manual_seed(0)
-    model = Cascade(CascadeConfig(channels=(32, 32, 32), noise=0.0))
+    model = Cascade(replace(PAPER, channels=(32, 32, 32), squares=False))
     optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
     for _ in range(120):
         optimizer.zero_grad()

@@ -34,6 +34,10 @@ class CascadeConfig:
     """Flags and vectors are judged by squares, not by cross-entropy and distance."""
     noise: float = 0.02
     """Share of flags and edge types at boundaries that are wrong in what is taught with."""
+    mirror: bool = True
+    """Half of the garments are shown with left and right exchanged."""
+    dropout: float = 0.1
+    """Share of channels that are left out in training."""
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
 
@@ -44,8 +48,14 @@ class CascadeConfig:
 
 SURE = 20.0
 """Logit of what is certain."""
-PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0)
-DEPARTURES = {"losses": ("squares",), "noise": ("noise",), "weights": ("boundary_weight",)}
+PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0, mirror=False, dropout=0.0)
+DEPARTURES = {
+    "losses": ("squares",),
+    "noise": ("noise",),
+    "weights": ("boundary_weight",),
+    "mirror": ("mirror",),
+    "dropout": ("dropout",),
+}
 """What of ours may be left out, and the settings that are then as in the paper."""
 
 
@@ -55,14 +65,17 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
     def __init__(self, config: CascadeConfig) -> None:
         super().__init__()
         self.config = config
-        size = (config.grid, config.picture, config.channels)
+        size = (config.grid, config.picture, config.channels, config.dropout)
         self.to_flags = UNet(0, FLAGS, *size)
         self.to_types = UNet(FLAGS, TYPES, *size)
         self.to_vectors = UNet(FLAGS + TYPES, INPUTS - FLAGS - TYPES, *size)
 
     def forward(self, batch: Pictured) -> dict[str, Tensor]:
         """The whole loss, and those of the three networks, each taught with the truth."""
-        config, seen, truth = self.config, batch.seen(), batch.rasters
+        config = self.config
+        if config.mirror and self.training:
+            batch = batch.mirrored(torch.rand(len(batch), device=batch.pictures.device) < 0.5)
+        seen, truth = batch.seen(), batch.rasters
         maps = truth.inputs()
         flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]
         if config.noise and self.training:

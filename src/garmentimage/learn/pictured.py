@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float32, UInt8
+from jaxtyping import Bool, Float32, UInt8
 from torch import Tensor
 
 from garmentimage.dataset.read import facts, rasters, shard_files, tables
@@ -51,6 +51,17 @@ class Pictured:
             self.inside.to(device),
             self.types.to(device),
             self.vectors.to(device),
+        )
+
+    def mirrored(self, which: Bool[Tensor, " n"]) -> "Pictured":
+        """The same, but those of them with left and right exchanged."""
+        other = self.rasters.mirrored()
+        there = which[:, None, None, None]
+        return Pictured(
+            torch.where(there, self.pictures.flip(-1), self.pictures),
+            torch.where(there, other.inside, self.inside),
+            torch.where(there, other.types, self.types),
+            torch.where(there, other.vectors, self.vectors),
         )
 
     def seen(self) -> Float32[Tensor, "n 3 pixel_row pixel_col"]:

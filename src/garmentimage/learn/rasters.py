@@ -47,6 +47,28 @@ class Rasters:
         """The same on another device."""
         return Rasters(self.inside.to(device), self.types.to(device), self.vectors.to(device))
 
+    def mirrored(self) -> "Rasters":
+        """The same garments with left and right exchanged."""
+        types = self.types.flip(-1)
+        # The left edge of a cell is the right one of its mirror image; the last has none.
+        left = torch.roll(types[:, 1::2], 1, -1)
+        left[..., 0] = 0
+        types = torch.stack([types[:, ::2], left], 2).flatten(1, 2)
+        bottom, right, top, left_vector = (
+            self.vectors.flip(-1).unflatten(1, (LAYERS, 4, 2)).unbind(2)
+        )
+        across, upright = (torch.tensor(signs).to(self.vectors) for signs in ([1, -1], [-1, 1]))
+        turned = [
+            edge * signs[:, None, None]
+            for edge, signs in (
+                (bottom, across),
+                (left_vector, upright),
+                (top, across),
+                (right, upright),
+            )
+        ]
+        return Rasters(self.inside.flip(-1), types, torch.stack(turned, 2).flatten(1, 3))
+
     def inputs(self) -> Float32[Tensor, "n 34 row col"]:
         """What networks see: flags, edge types one-hot, vectors."""
         kinds = torch.arange(EDGE_TYPE_COUNT, device=self.types.device)[:, None, None]

@@ -22,10 +22,17 @@ class UNet(nn.Module):
         grid: cells a side.
         picture: pixels a side; the grid times a power of two.
         widths: channels of each level, from the grid's own down.
+        dropout: share of channels that are left out in training.
     """
 
     def __init__(
-        self, maps: int, out: int, grid: int, picture: int, widths: tuple[int, ...]
+        self,
+        maps: int,
+        out: int,
+        grid: int,
+        picture: int,
+        widths: tuple[int, ...],
+        dropout: float = 0.0,
     ) -> None:
         super().__init__()
         halvings = (picture // FOLD // grid).bit_length() - 1
@@ -33,9 +40,9 @@ class UNet(nn.Module):
         self.look = nn.ModuleList(nn.Conv2d(a, b, 3, 2, 1) for a, b in steps)
         self.take = nn.Conv2d(maps, widths[0], 3, padding=1) if maps else None
         self.places = nn.Parameter(0.1 * torch.randn(widths[0], grid, grid))
-        self.down = nn.ModuleList(Block(width) for width in widths)
+        self.down = nn.ModuleList(Block(width, dropout) for width in widths)
         self.halve = nn.ModuleList(nn.Conv2d(a, b, 3, 2, 1) for a, b in pairwise(widths))
-        self.up = nn.ModuleList(Block(width) for width in widths)
+        self.up = nn.ModuleList(Block(width, dropout) for width in widths)
         self.narrow = nn.ModuleList(nn.Conv2d(b, a, 1) for a, b in pairwise(widths))
         self.give = nn.Conv2d(widths[0], out, 3, padding=1)
 
@@ -66,8 +73,9 @@ class UNet(nn.Module):
 class Block(nn.Module):
     """Two convolutions beside a shortcut."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, width: int, dropout: float = 0.0) -> None:
         super().__init__()
+        self.drop = nn.Dropout2d(dropout)
         self.norm1, self.norm2 = nn.GroupNorm(8, width), nn.GroupNorm(8, width)
         self.conv1 = nn.Conv2d(width, width, 3, padding=1)
         self.conv2 = nn.Conv2d(width, width, 3, padding=1)
@@ -76,4 +84,4 @@ class Block(nn.Module):
     def forward(self, x: Tensor) -> Tensor:
         """The same shape as `x`."""
         y = self.conv1(functional.silu(self.norm1(x)))
-        return x + self.conv2(functional.silu(self.norm2(y)))
+        return x + self.conv2(self.drop(functional.silu(self.norm2(y))))
