@@ -82,7 +82,7 @@ def test_edits_without_the_intended_topology_do_not_count_for_the_overlap():
 
 
 def test_without_a_network_an_edit_of_nothing_changes_nothing():
-    codec, garment = PlainCodec(), draft("top-skirt")
+    codec, garment = PlainCodec(16), draft("top-skirt")
     a, b = codec.latents([draft("shirt"), garment])
     step = codec.step(b + (a - a))
     assert not step.faults and panel_overlap(garment, step.pattern) > 0.97

@@ -55,7 +55,7 @@ class RasterCodec:
 class PlainCodec:
     """GarmentImages as they are, without a network: a garment's vector is its channels."""
 
-    grid: int = 16
+    grid: int
 
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """All channels of some garments."""

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.dataset.sheet import dataset_hash
+from garmentimage.dataset.sheet import dataset_hash, summary_of
 from garmentimage.errors import GarmentImageError, LearnError
 from garmentimage.evaluate.codecs import Codec, PlainCodec, RasterCodec, VectorCodec
 from garmentimage.evaluate.edits import EDITS, Triplet, triplets
@@ -261,7 +261,7 @@ def _jump(steps: Sequence[float]) -> float | None:
 def codec_of(judged: Judged) -> Codec:
     """A network, loaded once in each process."""
     if not judged.folder:
-        return PlainCodec()
+        return PlainCodec(int(summary_of(Path(judged.data))["grid"]))
     if judged.level is None:
         return VectorCodec(Path(judged.folder))
     return RasterCodec(LatentSpace.load(judged.folder), judged.level)
