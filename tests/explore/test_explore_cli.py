@@ -82,7 +82,7 @@ def test_a_garment_of_another_kind_is_warned_of(files, tmp_path, capsys):
         (["train", "vae", "--data", "x", "--seed", str(2**40)], f"--seed is {2**40}; give 0 to"),
         (["train", "vae", "--data", "x", "--beta", "-1"], "--beta is -1.0; give 0 to 1000"),
         (["train", "vae", "--data", "x", "--beta", "nan"], "--beta is nan; give 0 to 1000"),
-        (["train", "vae", "--data", "x", "--as-paper"], "--as-paper is of the network cascade"),
+        (["train", "vae", "--data", "x", "--as-paper", "all"], "--as-paper is for cascade only"),
         (["train", "vae", "--data", "x", "--accelerator", "abacus"], "there is no accelerator"),
         (["train", "vae", "--data", "x", "--devices", "9999"], "--devices is 9999; this machine"),
         (["generate", "--type", "hat"], "the network knows no type 'hat'"),
