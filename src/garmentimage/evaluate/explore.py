@@ -33,7 +33,6 @@ from garmentimage.explore.space import LatentSpace, Step
 from garmentimage.explore.walk import edit
 from garmentimage.files import shown_path
 from garmentimage.metrics.intervals import interval
-from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.raster.repair import RepairLevel
@@ -123,16 +122,9 @@ def evaluate(
         for judged in networks
         for number in range(counts[stage])
     ]
-    found = ((item, kept.kept(item.name, item.number)) for item in items)
-    records = {item: record for item, record in found if record is not None}
-    missing = [item for item in items if item not in records]
-    progress(len(records), len(items))
-    for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
-        item, made = missing[outcome.number], outcome.result
-        records[item] = {"lost": made.reason} if isinstance(made, Lost) else made
-        if not isinstance(made, Lost):  # Who was lost is tried again by the next run.
-            kept.keep(item.name, item.number, records[item])
-        progress(len(records), len(items))
+    records = kept.gather(
+        items, measured, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
+    )
     return {
         judged.name: {
             stage: summary(

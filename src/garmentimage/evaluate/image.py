@@ -24,7 +24,6 @@ from garmentimage.evaluate.splits import SPLITS, check_splits, check_training
 from garmentimage.files import shown_path
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.likeness import likeness
-from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.provenance import source_commit, weights_hash
 from garmentimage.raster.repair import LEVELS
 
@@ -136,21 +135,15 @@ def evaluate(
             guessing(guesser, str(data), held_out)
     kept = Records(folder, asdict(amounts), {each.key: told | _hash(each) for each in guessers})
     items = _items(guessers, str(data), held_out, amounts, validation)
-    records = {}
-    for item in items:
-        record = kept.kept(item.name, item.number)
-        if record is not None and (not item.worn or record["draped"] is not None):
-            records[item] = record
-    missing = [item for item in items if item not in records]
-    if missing and not validation:
-        _log(folder, missing)
-    progress(len(records), len(items))
-    for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
-        item, made = missing[outcome.number], outcome.result
-        records[item] = {"lost": made.reason} if isinstance(made, Lost) else made
-        if not isinstance(made, Lost):  # Who was lost is tried again by the next run.
-            kept.keep(item.name, item.number, records[item])
-        progress(len(records), len(items))
+    records = kept.gather(
+        items,
+        measured,
+        workers=workers,
+        time_limit=TIME_LIMIT_S,
+        progress=progress,
+        is_whole=lambda item, record: not item.worn or record["draped"] is not None,
+        begin=lambda missing: None if validation else _log(folder, missing),
+    )
     return {
         "splits": proven,
         "opened": [json.loads(line) for line in _lines(folder / OPENED)],

@@ -4,14 +4,30 @@
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from garmentimage.errors import LearnError
 from garmentimage.files import shown_path, write_atomically
+from garmentimage.metrics.workers import Lost, map_in_processes
 
 RUN_FILE = "run.json"
+
+
+class Recorded(Protocol):
+    """One thing to measure; it can be a key of a dictionary."""
+
+    @property
+    def name(self) -> str:
+        """Of the records that its record is one of."""
+
+    @property
+    def number(self) -> int:
+        """Of its record among them."""
+
+
+Item = TypeVar("Item", bound=Recorded)
 
 
 class Records:
@@ -72,6 +88,50 @@ class Records:
                 write_atomically(file, whole)
         with file.open("a", encoding="utf-8") as opened:
             opened.write(line)
+
+    def gather(
+        self,
+        items: Sequence[Item],
+        work: Callable[[Item], dict[str, Any]],
+        *,
+        workers: int,
+        time_limit: float,
+        progress: Callable[[int, int], None],
+        is_whole: Callable[[Item, Mapping[str, Any]], bool] = lambda item, record: True,
+        begin: Callable[[Sequence[Item]], None] = lambda missing: None,
+    ) -> dict[Item, dict[str, Any]]:
+        """The records of all items; what is not there is measured now, and kept.
+
+        Args:
+            items: what there should be records of.
+            work: measures an item, in a process of its own.
+            workers: processes.
+            time_limit: for an item, and for what its process must load before it [s].
+            progress: called with how many are done, and of how many.
+            is_whole: whether a record holds all that is wanted of its item.
+            begin: called with what will be measured, if anything.
+
+        Returns:
+            By item; who was lost has a record `lost` that says why, and is tried again next time.
+        """
+        found = {}
+        for item in items:
+            record = self.kept(item.name, item.number)
+            if record is not None and is_whole(item, record):
+                found[item] = record
+        missing = [item for item in items if item not in found]
+        if missing:
+            begin(missing)
+        progress(len(found), len(items))
+        for outcome in map_in_processes(work, missing, workers=workers, time_limit=time_limit):
+            item, made = missing[outcome.number], outcome.result
+            if isinstance(made, Lost):
+                found[item] = {"lost": made.reason}
+            else:
+                found[item] = made
+                self.keep(item.name, item.number, made)
+            progress(len(found), len(items))
+        return found
 
     def _file(self, name: str) -> Path:
         return self.folder / f"{name.replace(' ', '-').replace(',', '')}.jsonl"

@@ -26,7 +26,6 @@ from garmentimage.learn.image_decoder import ImageDecoder
 from garmentimage.learn.sentences import embedded
 from garmentimage.learn.weights import load_weights
 from garmentimage.metrics.intervals import interval
-from garmentimage.metrics.workers import Lost, map_in_processes
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.text.edit import AT_ONCE, PULL, RATE, SETTLE, denoiser_guidance
@@ -64,6 +63,11 @@ class Item:
     split: str
     number: int
     """Of the item among those of its editor."""
+
+    @property
+    def name(self) -> str:
+        """Of the records that it is one of."""
+        return self.editing.name
 
 
 def evaluate(
@@ -104,19 +108,9 @@ def evaluate(
     }  # fmt: skip
     records = Records(folder, {"garments": garments, "validation": validation}, networks)
     items = _items(editors, str(data), garments, "validation" if validation else "test")
-    found = {}
-    for item in items:
-        record = records.kept(item.editing.name, item.number)
-        if record is not None:
-            found[item] = record
-    missing = [item for item in items if item not in found]
-    progress(len(found), len(items))
-    for outcome in map_in_processes(measured, missing, workers=workers, time_limit=TIME_LIMIT_S):
-        item, made = missing[outcome.number], outcome.result
-        found[item] = {"lost": made.reason} if isinstance(made, Lost) else made
-        if not isinstance(made, Lost):  # Who was lost is tried again by the next run.
-            records.keep(item.editing.name, item.number, found[item])
-        progress(len(found), len(items))
+    found = records.gather(
+        items, measured, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
+    )
     return {
         each.name: summary([found[item] for item in items if item.editing == each])
         for each in editors
