@@ -5,6 +5,7 @@ from the picture and flags; edge vectors from the picture, flags and edge types.
 what the one before it predicted.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
@@ -15,7 +16,14 @@ from torch.nn import functional
 
 from garmentimage.learn.garment_vae import FLAGS, TYPES, check_channels, to_channels
 from garmentimage.learn.pictured import Pictured
-from garmentimage.learn.rasters import INPUTS, LAYERS, Rasters
+from garmentimage.learn.rasters import (
+    INPUTS,
+    LAYERS,
+    Rasters,
+    mirrored_flags,
+    mirrored_types,
+    mirrored_vectors,
+)
 from garmentimage.learn.unet import UNet
 from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
@@ -35,7 +43,8 @@ class CascadeConfig:
     noise: float = 0.02
     """Share of flags and edge types at boundaries that are wrong in what is taught with."""
     mirror: bool = True
-    """Half of the garments are shown with left and right exchanged."""
+    """Half of the garments are shown with left and right exchanged, and pictures are looked at both
+    ways when the network is used."""
     dropout: float = 0.1
     """Share of channels that are left out in training."""
     boundary_weight: float = 3.0
@@ -104,18 +113,47 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
             given: how far it is given: 0 the flags, 1 edge types, too, 2 all.
         """
         known = None if truth is None else sure_maps(truth)
-        flags = self.to_flags(seen) if known is None or given < 0 else known[:, :FLAGS]
+        if known is None or given < 0:
+            flags = self._asked(self.to_flags, mirrored_flags, seen)
+        else:
+            flags = known[:, :FLAGS]
         inside = (flags > 0).float()
         if known is None or given < 1:
-            types = self.to_types(seen, inside)
+            types = self._asked(self.to_types, mirrored_types, seen, inside)
         else:
             types = known[:, FLAGS : FLAGS + TYPES]
-        one_hot = likeliest_types(types)
         if known is None or given < 2:
-            vectors = self.to_vectors(seen, torch.cat([inside, one_hot], 1))
+            one_hot = likeliest_types(types)
+            vectors = self._asked(self.to_vectors, mirrored_vectors, seen, inside, one_hot)
         else:
             vectors = known[:, FLAGS + TYPES :]
         return to_channels(torch.cat([flags, types, vectors], 1))
+
+    def _asked(
+        self,
+        network: UNet,
+        mirrored: Callable[[Tensor], Tensor],
+        seen: Tensor,
+        inside: Tensor | None = None,
+        types: Tensor | None = None,
+    ) -> Tensor:
+        """What a network says, taught with mirror images the mean over both ways of looking.
+
+        Args:
+            network: one of the three.
+            mirrored: exchanges left and right of what it gives.
+            seen: pictures.
+            inside: flags, if it takes them.
+            types: edge types, one-hot, if it takes them.
+        """
+        found = network(seen, *_joined(inside, types))
+        if not self.config.mirror:
+            return found
+        turned = _joined(
+            None if inside is None else mirrored_flags(inside),
+            None if types is None else mirrored_types(types),
+        )
+        return (found + mirrored(network(seen.flip(-1), *turned))) / 2
 
     def _flag_loss(self, logits: Tensor, inside: Tensor) -> Tensor:
         if self.config.squares:
@@ -136,6 +174,11 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
             functional.smooth_l1_loss(apart, torch.zeros_like(apart), beta=0.01, reduction="sum")
             / known.sum()
         )
+
+
+def _joined(inside: Tensor | None, types: Tensor | None) -> list[Tensor]:
+    known = [each for each in (inside, types) if each is not None]
+    return [torch.cat(known, 1)] if known else []
 
 
 def likeliest_types(logits: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:

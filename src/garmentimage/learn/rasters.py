@@ -54,20 +54,7 @@ class Rasters:
         left = torch.roll(types[:, 1::2], 1, -1)
         left[..., 0] = 0
         types = torch.stack([types[:, ::2], left], 2).flatten(1, 2)
-        bottom, right, top, left_vector = (
-            self.vectors.flip(-1).unflatten(1, (LAYERS, 4, 2)).unbind(2)
-        )
-        across, upright = (torch.tensor(signs).to(self.vectors) for signs in ([1, -1], [-1, 1]))
-        turned = [
-            edge * signs[:, None, None]
-            for edge, signs in (
-                (bottom, across),
-                (left_vector, upright),
-                (top, across),
-                (right, upright),
-            )
-        ]
-        return Rasters(self.inside.flip(-1), types, torch.stack(turned, 2).flatten(1, 3))
+        return Rasters(self.inside.flip(-1), types, mirrored_vectors(self.vectors))
 
     def inputs(self) -> Float32[Tensor, "n 34 row col"]:
         """What networks see: flags, edge types one-hot, vectors."""
@@ -120,6 +107,30 @@ def from_channels(channels: Float[np.ndarray, "n 2 17 row col"]) -> Rasters:
         torch.from_numpy(types.astype(np.int8)),
         torch.from_numpy(vectors.reshape(count, -1, grid, grid).astype(np.float16)),
     )
+
+
+def mirrored_flags(flags: Float[Tensor, "n 2 row col"]) -> Float[Tensor, "n 2 row col"]:
+    """Flags with left and right exchanged."""
+    return flags.flip(-1)
+
+
+def mirrored_types(types: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:
+    """Values for each edge type with left and right exchanged."""
+    bottom, left = types.flip(-1).unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).unbind(2)
+    # As in `Rasters.mirrored`; beyond the right end of the grid there is nothing to go by.
+    left = torch.cat([left[..., :1], left[..., :-1]], -1)
+    return torch.stack([bottom, left], 2).flatten(1, 3)
+
+
+def mirrored_vectors(vectors: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:
+    """Edge vectors of cells with left and right exchanged."""
+    bottom, right, top, left = vectors.flip(-1).unflatten(1, (LAYERS, 4, 2)).unbind(2)
+    across, upright = (torch.tensor(signs).to(vectors) for signs in ([1, -1], [-1, 1]))
+    turned = [
+        edge * signs[:, None, None]
+        for edge, signs in ((bottom, across), (left, upright), (top, across), (right, upright))
+    ]
+    return torch.stack(turned, 2).flatten(1, 3)
 
 
 def rest_vectors(grid: int) -> Float32[np.ndarray, "8 row col"]:

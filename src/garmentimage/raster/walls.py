@@ -23,12 +23,13 @@ LIKELY_WALL = 0.25
 BROKEN_COST = 2.5
 """What a seam that divides only in part, or a slit, must be worth to stay as it is."""
 
-SMALL_REGION, SMALL_COST = 3, 4.0
-"""A region of fewer cells must be worth this much to stay on its own."""
+SMALL_REGION, SMALL_COST = 3, 12.0
+"""A region of fewer cells must be worth this much to stay on its own: of 10,000 drafted garments
+none has one, while a network that wavers between two places of a seam often draws both."""
 
-BAND_LENGTH, BAND_SURENESS = 3, 1.5
+BAND_LENGTH, BAND_SURENESS = 3, 1.6
 """A band one cell wide and at least this long stays one only if the probabilities of the seams on
-its two sides sum to more than this: near 1 it is one seam whose place is uncertain."""
+its two sides sum to more than this: else it is one seam whose place is uncertain."""
 
 DART_OPENING = 0.03
 """Two legs whose vectors differ by this share of their length may belong to an open dart."""
