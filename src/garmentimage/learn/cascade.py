@@ -46,7 +46,7 @@ class CascadeConfig:
     """Half of the garments are shown with left and right exchanged, and pictures are looked at both
     ways when the network is used."""
     dropout: float = 0.1
-    """Share of channels that are left out in training."""
+    """Share of channels that are left out when flags and edge types are taught."""
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
 
@@ -74,9 +74,9 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
     def __init__(self, config: CascadeConfig) -> None:
         super().__init__()
         self.config = config
-        size = (config.grid, config.picture, config.channels, config.dropout)
-        self.to_flags = UNet(0, FLAGS, *size)
-        self.to_types = UNet(FLAGS, TYPES, *size)
+        size = config.grid, config.picture, config.channels
+        self.to_flags = UNet(0, FLAGS, *size, config.dropout)
+        self.to_types = UNet(FLAGS, TYPES, *size, config.dropout)
         self.to_vectors = UNet(FLAGS + TYPES, INPUTS - FLAGS - TYPES, *size)
 
     def forward(self, batch: Pictured) -> dict[str, Tensor]:
