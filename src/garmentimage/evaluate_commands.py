@@ -277,7 +277,7 @@ def _draw_guesses(
     """The first garments of each split, as they were drawn for measuring."""
     from garmentimage.evaluate.figure import guesses_picture
     from garmentimage.evaluate.guesses import GIVEN
-    from garmentimage.evaluate.image import CALLED, garments, order_of
+    from garmentimage.evaluate.image import CALLED, garments, has_unseen, order_of
     from garmentimage.render.png import png_bytes
 
     chosen: dict[str, Guesser] = {}
@@ -285,6 +285,8 @@ def _draw_guesses(
         if guesser.level == "full" and guesser.kind not in (*GIVEN, "random"):
             chosen.setdefault(guesser.name, guesser)
     for split, name in CALLED.items():
+        if split == "unseen" and not has_unseen(data, held_out):
+            continue
         album, _ = garments(data, split, held_out)
         numbers = order_of(album)[: min(SHOWN, amounts.of(split))]
         if numbers:

@@ -25,6 +25,7 @@ ONLY_OF = {
     "beta": ("vae", "vector-vae"),
     "without": ("cascade", *BASELINES),
     "as_paper": ("cascade",),
+    "recolour": ("cascade",),
     "resnet": BASELINES,
     "vae": ("image-decoder",),
 }
@@ -58,6 +59,12 @@ def train_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"cascade: {', '.join(DEPARTURES)} or {EVERYTHING}, as in the paper",
     )
     parser.add_argument(
+        "--recolour",
+        action="store_true",
+        default=None,
+        help="cascade: show garments in other colours, too, for photographs",
+    )
+    parser.add_argument(
         "--resnet", type=Path, metavar="FOLDER", help="baselines: ResNet that sees, pretrained"
     )
     parser.add_argument(
@@ -85,7 +92,13 @@ def run_train(options: argparse.Namespace) -> Exit:
     what = lesson(
         options.network,
         Wanted(
-            options.data, options.beta, tuple(options.without), parts, options.resnet, options.vae
+            options.data,
+            options.beta,
+            tuple(options.without),
+            parts,
+            bool(options.recolour),
+            options.resnet,
+            options.vae,
         ),
     )
     torch.manual_seed(settings.seed)
@@ -204,6 +217,7 @@ def _command(options: argparse.Namespace) -> str:
         for name, value in given
         if value is not None
     ]
+    words += ["--recolour"] if options.recolour else []
     start = f"garmentimage train {options.network} --data {options.data}"
     return " ".join([start, *words, "-o", str(options.out)])
 

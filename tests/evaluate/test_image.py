@@ -128,8 +128,23 @@ def test_a_type_held_out_is_measured_as_unseen_and_must_have_been_left_out(
         evaluate(wrong, pictured, tmp_path / "two", amounts, held_out="top + pants", workers=1)
 
 
+def test_networks_of_all_types_are_measured_on_seen_garments_where_none_are_unseen(
+    pictured, tmp_path
+):
+    data = tmp_path / "data"
+    shutil.copytree(pictured, data)
+    summary = json.loads((data / "summary.json").read_text())
+    for file in (data / "data").glob("unseen-*"):
+        summary["rows"] -= row_count(file)
+        file.unlink()
+    (data / "summary.json").write_text(json.dumps(summary))
+    amounts = Amounts(seen=2, unseen=1, parts=0, draped=0)
+    told = evaluate([Guesser("another", "random")], data, tmp_path / "out", amounts, workers=1)
+    assert set(told["figures"]["another"]) == {"seen"}
+
+
 def test_choices_are_made_on_the_validation_split_and_open_no_test(pictured, tmp_path):
-    amounts = Amounts(seen=2, unseen=0, parts=0, draped=0)
+    amounts = Amounts(seen=2, unseen=1, parts=0, draped=0)
     evaluate(
         [Guesser("another", "random")], pictured, tmp_path, amounts, validation=True, workers=1
     )

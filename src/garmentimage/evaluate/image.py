@@ -229,7 +229,9 @@ def _items(
 ) -> list[Item]:
     items = []
     for split in SPLITS:
-        if not amounts.of(split):
+        if not amounts.of(split) or (
+            split == "unseen" and not has_unseen(data, held_out, validation)
+        ):
             continue
         album, _ = garments(data, split, held_out, validation)
         if len(album.ids) < amounts.of(split):
@@ -255,6 +257,15 @@ def _items(
                 for k, number in enumerate(order[:count])
             ]
     return items
+
+
+def has_unseen(data: str, held_out: str, validation: bool = False) -> bool:
+    """Whether there are garments of types that no training had to measure on."""
+    from garmentimage.dataset.read import shard_files
+
+    if held_out or validation:  # those of the split `unseen` are for no choice
+        return bool(held_out)
+    return any(file.name.startswith("unseen-") for file in shard_files(data))
 
 
 def order_of(album: "Album") -> list[int]:

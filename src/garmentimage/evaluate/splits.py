@@ -106,10 +106,10 @@ def groups(
 ) -> dict[str, list[Guesser]]:
     """Guessers by the type that their networks were trained without; "" where splits tell it.
 
-    For validation they never tell it.
+    For validation they never tell it. A network trained on all types is measured on seen ones.
 
     Raises:
-        LearnError: it is not known of a network, or there is no such type and no unseen split.
+        LearnError: a network was trained without several types.
     """
     from garmentimage.dataset.read import shard_files
 
@@ -119,10 +119,10 @@ def groups(
     found: dict[str, list[Guesser]] = {}
     for guesser in guessers:
         without = run_of(guesser).get("without", [])
-        if len(without) != 1:
+        if len(without) > 1:
             raise LearnError(
                 f"{shown_path(guesser.folder)}: was trained without {len(without)} types; this "
-                "dataset takes networks that were trained without one"
+                "dataset takes networks that were trained without one, or on all"
             )
-        found.setdefault(without[0], []).append(guesser)
+        found.setdefault(without[0] if without else "", []).append(guesser)
     return found
