@@ -4,6 +4,7 @@
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
 # make picture the pictures in the README
 # make explore networks of docs/explore.md, trained anew and measured: about 5 hours on two cores
+# make image   networks of docs/predict.md, likewise: about a day
 # make bench   encode, decode, import and start, timed on one core
 
 OLDEST_TO_NEWEST := (3, 11) <= sys.version_info[:2] <= (3, 13)
@@ -14,7 +15,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 WORKERS ?= 2
 
-.PHONY: demo test check lint corpus picture explore bench clean
+.PHONY: demo test check lint corpus picture explore image bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
@@ -53,6 +54,9 @@ explore: $(VENV)/ready-dev
 		$(BIN)/garmentimage evaluate explore --data $$data --vae runs/vae-$$1/model \
 			--vectors runs/vector-vae-$$1/model -o runs/explore-$$1; \
 	done
+
+image: $(VENV)/ready-dev
+	scripts/image.sh $(BIN)/garmentimage
 
 bench: $(VENV)/ready
 	$(BIN)/python benchmarks/speed.py

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from garmentimage.explore.walk import generate, interpolate, nearest, transfer
     from garmentimage.pattern.model import Pattern
     from garmentimage.pattern.spec import load_pattern, save_pattern
+    from garmentimage.predict.network import PatternPredictor
     from garmentimage.raster.decode import decode
     from garmentimage.raster.encode import encode
     from garmentimage.raster.files import load_image, save_image
@@ -95,6 +96,7 @@ _WHERE = {
     "transfer": "garmentimage.explore.walk",
     "generate": "garmentimage.explore.walk",
     "nearest": "garmentimage.explore.walk",
+    "PatternPredictor": "garmentimage.predict.network",
     "Look": "garmentimage.render.look",
     "photograph": "garmentimage.render.look",
     "save_png": "garmentimage.render.png",
@@ -121,6 +123,7 @@ __all__ = [
     "Pattern",
     "PatternError",
     "PatternFileError",
+    "PatternPredictor",
     "RenderError",
     "StitchError",
     "Template",

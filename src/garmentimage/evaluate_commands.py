@@ -196,7 +196,7 @@ def _run_image(options: argparse.Namespace) -> Exit:
     from garmentimage.evaluate.guesses import named
     from garmentimage.evaluate.image import Amounts, evaluate, with_parts
     from garmentimage.evaluate.splits import groups
-    from garmentimage.evaluate.table import image_table
+    from garmentimage.evaluate.table import held_out_table, image_table
 
     if options.data is None and options.recipe is None:
         raise LearnError("name a dataset with --data, or a recipe with --recipe")
@@ -231,6 +231,9 @@ def _run_image(options: argparse.Namespace) -> Exit:
         tables.append(f"{held_out}\n\n{image_table(told['figures'])}".lstrip())
         if not validation:
             _draw_guesses(folder, every, str(data), held_out, amounts)
+    if len(results) > 1:
+        by_type = {held_out: told["figures"] for held_out, told in results.items()}
+        tables.insert(0, held_out_table(by_type))
     whole: dict[str, Any] = results.get("", {"held out": results})
     result = {
         **_provenance(recipe),

@@ -12,7 +12,8 @@ from garmentimage.dataset.read import row_count, shard_files
 from garmentimage.errors import DatasetError
 from garmentimage.evaluate.guesses import Guesser, guessing, named
 from garmentimage.evaluate.image import Amounts, Item, evaluate, summary, with_parts
-from garmentimage.evaluate.splits import check_splits
+from garmentimage.evaluate.splits import check_splits, groups
+from garmentimage.evaluate.table import held_out_table
 
 pytestmark = pytest.mark.slow
 SMALL = ["--seen", "3", "--unseen", "4", "--parts", "2", "--draped", "1", "--workers", "1"]
@@ -173,6 +174,32 @@ def test_a_wrong_call_is_told_in_a_sentence(words, message, pictured, runs, tmp_
     words = [places.get(word, word) for word in words]
     assert main(["evaluate", "image", *words, "-o", "out"]) != 0
     assert message in capsys.readouterr().err
+
+
+def test_networks_left_without_each_type_in_turn_have_one_name_and_one_table(pictured, tmp_path):
+    data = tmp_path / "data"  # without a split that tells what is unseen
+    shutil.copytree(pictured, data)
+    for file in (data / "data").glob("unseen-*"):
+        file.unlink()
+    guessers = []
+    for held_out in ("shirt", "top skirt"):
+        folder = tmp_path / held_out / "model"
+        folder.mkdir(parents=True)
+        (folder.parent / "run.json").write_text(json.dumps({"run": {"without": [held_out]}}))
+        guessers.append(Guesser(f"cascade-{held_out}", "cascade", str(folder)))
+    found = groups(guessers, data)
+    assert {k: [g.name for g in v] for k, v in found.items()} == {
+        "shirt": ["cascade"], "top skirt": ["cascade"]
+    }  # fmt: skip
+    value = {"mean": 0.5, "low": 0.25, "high": 0.75}
+    figures = {"seen": {"panel_iou": value}, "unseen": {"panel_iou": value, "topology": value}}
+    table = held_out_table(
+        {"shirt": {"ours": figures, "ours, paper": figures}, "top skirt": {"pool": figures}}
+    )
+    heads, _, shirt, skirt = table.splitlines()
+    assert heads.count("|") == 8 and "paper" not in heads
+    assert shirt.count("0.500 (0.250 to 0.750)") == skirt.count("0.500 (0.250 to 0.750)") == 3
+    assert shirt.endswith("| - | - | - |")
 
 
 def test_seeds_of_one_name_count_as_one_garment_each():

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -124,5 +125,8 @@ def groups(
                 f"{shown_path(guesser.folder)}: was trained without {len(without)} types; this "
                 "dataset takes networks that were trained without one, or on all"
             )
-        found.setdefault(without[0] if without else "", []).append(guesser)
+        held_out = without[0] if without else ""
+        # Of one network trained without each type in turn, `NAME-TYPE`, the name is `NAME`.
+        name = guesser.name.removesuffix(f"-{held_out}") if held_out else guesser.name
+        found.setdefault(held_out, []).append(replace(guesser, name=name))
     return found

@@ -43,6 +43,28 @@ def image_table(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def held_out_table(results: Mapping[str, Mapping[str, Any]]) -> str:
+    """Picture to pattern with each type left out in turn: a row for each, columns for who guesses.
+
+    Args:
+        results: figures by guesser, as `image_table` takes them, by type left out.
+    """
+    names = list(dict.fromkeys(name for figures in results.values() for name in figures))
+    names = [name for name in names if "," not in name and not name.startswith("true ")]
+    columns = (("panel_iou", "seen"), ("panel_iou", "unseen"), ("topology", "unseen"))
+    called = dict((key, name) for name, key in IMAGE_COLUMNS)
+    heads = [f"{name}: {called[key]}, {split}" for name in names for key, split in columns]
+    lines = [f"| left out | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    for held_out, figures in results.items():
+        cells = [
+            _cell(figures.get(name, {}).get(split, {}).get(key))
+            for name in names
+            for key, split in columns
+        ]
+        lines.append(f"| {held_out} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
 TEXT_COLUMNS = (("done", "done"), ("kept", "the rest kept"), ("valid", "valid"))
 
 

@@ -24,7 +24,7 @@ from garmentimage.learn.rasters import (
     mirrored_types,
     mirrored_vectors,
 )
-from garmentimage.learn.unet import UNet
+from garmentimage.learn.unet import UNet, folded
 from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
 
@@ -91,15 +91,16 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         seen, truth = batch.seen(), batch.rasters
         if config.recolour and self.training:
             seen = recoloured(seen, torch.rand(len(seen), device=seen.device) < 0.5)
+        picture = folded(seen)
         maps = truth.inputs()
         flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]
         if config.noise and self.training:
             flags, types = flipped(flags, config.noise), redrawn(types, config.noise)
         parts = {
-            "flags": self._flag_loss(self.to_flags(seen), truth.inside.float()),
-            "types": self._type_loss(self.to_types(seen, flags), truth.types.long()),
+            "flags": self._flag_loss(self.to_flags(picture), truth.inside.float()),
+            "types": self._type_loss(self.to_types(picture, flags), truth.types.long()),
             "vectors": self._vector_loss(
-                self.to_vectors(seen, torch.cat([flags, types], 1)), truth.vectors, truth.inside
+                self.to_vectors(picture, torch.cat([flags, types], 1)), truth.vectors, truth.inside
             ),
         }
         parts["loss"] = parts["flags"] + parts["types"] + parts["vectors"]
@@ -152,14 +153,14 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
             inside: flags, if it takes them.
             types: edge types, one-hot, if it takes them.
         """
-        found = network(seen, *_joined(inside, types))
+        found = network(folded(seen), *_joined(inside, types))
         if not self.config.mirror:
             return found
         turned = _joined(
             None if inside is None else mirrored_flags(inside),
             None if types is None else mirrored_types(types),
         )
-        return (found + mirrored(network(seen.flip(-1), *turned))) / 2
+        return (found + mirrored(network(folded(seen.flip(-1)), *turned))) / 2
 
     def _flag_loss(self, logits: Tensor, inside: Tensor) -> Tensor:
         if self.config.squares:

@@ -11,6 +11,13 @@ FOLD = 4
 """Pixels a side that are taken together, as channels, before the first convolution."""
 
 
+def folded(
+    picture: Float[Tensor, "n 3 pixel_row pixel_col"],
+) -> Float[Tensor, "n 48 block_row block_col"]:
+    """Colours from 0 to 1 as networks take them: the pixels of a block are channels."""
+    return functional.pixel_unshuffle(picture, FOLD) - 0.5
+
+
 class UNet(nn.Module):
     """Convolutions down to a few cells and up again, with shortcuts between (Ronneberger 2015).
 
@@ -48,11 +55,11 @@ class UNet(nn.Module):
 
     def forward(
         self,
-        picture: Float[Tensor, "n 3 pixel_row pixel_col"],
+        picture: Float[Tensor, "n 48 block_row block_col"],
         maps: Float[Tensor, "n maps row col"] | None = None,
     ) -> Float[Tensor, "n out row col"]:
-        """Maps of a picture whose colours are from 0 to 1."""
-        x = functional.pixel_unshuffle(picture - 0.5, FOLD)
+        """Maps of a picture that is `folded`."""
+        x = picture
         for number, layer in enumerate(self.look):
             x = layer(functional.silu(x) if number else x)
         if self.take is not None and maps is not None:

@@ -1,0 +1,45 @@
+#!/bin/sh
+# Everything of docs/predict.md: data, networks, and what is measured. Each step goes on where it was
+# stopped; two recipes, or two seeds, may be run beside each other.
+#
+#     scripts/image.sh .venv/bin/garmentimage
+set -eu
+run=$1
+export OMP_NUM_THREADS=1
+
+train() { # name, network, epochs, further words
+    name=$1 network=$2 epochs=$3
+    shift 3
+    "$run" train "$network" --data "data/$recipe" --epochs "$epochs" --precision bf16-mixed "$@" \
+        -o "runs/$recipe-$name"
+}
+
+for recipe in d2 d1; do
+    "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
+    for seed in 0 1 2; do train "cascade-$seed" cascade 24 --seed "$seed"; done
+    train panel-transformer panel-transformer 8 --rate 0.001
+    train panel-recurrent panel-recurrent 20
+    train panel-pool panel-pool 30
+    if [ "$recipe" = d2 ]; then # the ablations, all with a third of the training
+        train short cascade 8
+        for part in losses noise weights mirror dropout all; do
+            train "short-without-$part" cascade 8 --as-paper "$part"
+        done
+    fi
+    "$run" evaluate image --recipe "$recipe" -o "runs/image-$recipe"
+done
+
+recipe=leave-one-out
+"$run" build "$recipe" --count 2000 -o "data/$recipe"
+for kind in one-panel-dress one-panel-jumpsuit top-skirt top-pants shirt skirt pants tee tank jacket \
+    hoodie; do
+    train "cascade-$kind" cascade 14 --without "$kind"
+done
+for kind in top-skirt tee hoodie; do
+    train "panel-transformer-$kind" panel-transformer 5 --rate 0.001 --without "$kind"
+    train "panel-recurrent-$kind" panel-recurrent 11 --without "$kind"
+done
+"$run" evaluate image --recipe "$recipe" -o "runs/image-$recipe"
+
+"$run" train cascade --data "data/$recipe" --epochs 24 --precision bf16-mixed --recolour \
+    -o runs/image-wide
