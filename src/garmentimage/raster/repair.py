@@ -113,6 +113,8 @@ def _repair_fully(
         counts["uncertain bands made one seam"] = merge_bands(
             inside, types, beliefs.types, type_cost
         )
+        # What was merged may leave a slit behind.
+        counts["seams and slits made whole or dropped"] += whole_seams(inside, types, type_cost)
         inside, types = relabel(inside, flag_cost, type_cost)
     mended = replace(given, inside=inside, edge_type=types)
     types, paper = mend_paper_cases(mended)
