@@ -157,6 +157,8 @@ def slot_lesson(wanted: Wanted, name: str) -> Lesson:
         model = kind.network(config)
         if resnet is not None:
             model.see.net.load_state_dict(resnet.state_dict())  # type: ignore[union-attr]
+        if hasattr(model, "usual"):
+            model.usual.set_to_mean(known.patterns)  # type: ignore[operator,union-attr]
         return model
 
     seen_by = "ResNet that was given" if resnet else "small encoder of pictures"

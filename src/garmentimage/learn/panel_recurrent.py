@@ -16,7 +16,8 @@ from garmentimage.learn.slot_vectors import (
     PicturedSlots,
     SlotConfig,
     SlotOutputs,
-    outputs,
+    Usual,
+    quiet,
     slot_losses,
 )
 
@@ -40,8 +41,9 @@ class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage
         )
         self.panels = nn.LSTM(width, width, config.layers, batch_first=True)
         self.edges = nn.LSTM(width, width, config.layers, batch_first=True)
-        self.to_place = nn.Linear(width, NUMBERS_A_PLACE)
-        self.to_edge = nn.Linear(width, NUMBERS_AN_EDGE)
+        self.to_place = quiet(nn.Linear(width, NUMBERS_A_PLACE))
+        self.to_edge = quiet(nn.Linear(width, NUMBERS_AN_EDGE))
+        self.usual = Usual(config)
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
@@ -54,4 +56,5 @@ class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage
         panels, _ = self.panels(whole[:, None].expand(-1, len(config.names), -1))
         each = panels.flatten(0, 1)[:, None].expand(-1, config.edges, -1)
         edges, _ = self.edges(each)
-        return outputs(self.to_place(panels), self.to_edge(edges).unflatten(0, panels.shape[:2]))
+        numbers = self.to_edge(edges).unflatten(0, panels.shape[:2])
+        return self.usual(self.to_place(panels), numbers)  # type: ignore[no-any-return]

@@ -19,7 +19,8 @@ from garmentimage.learn.slot_vectors import (
     PicturedSlots,
     SlotConfig,
     SlotOutputs,
-    outputs,
+    Usual,
+    quiet,
     slot_losses,
 )
 
@@ -47,16 +48,17 @@ class PanelTransformer(nn.Module, PyTorchModelHubMixin, library_name="garmentima
         self.encoder = nn.TransformerEncoder(
             nn.TransformerEncoderLayer(*sizes, **layer), config.layers, enable_nested_tensor=False
         )
-        self.panel_queries = nn.Parameter(torch.randn(len(config.names), width))
+        self.panel_queries = nn.Parameter(0.1 * torch.randn(len(config.names), width))
         self.panels = nn.TransformerDecoder(
             nn.TransformerDecoderLayer(*sizes, **layer), config.layers
         )
-        self.edge_queries = nn.Parameter(torch.randn(config.edges, width))
+        self.edge_queries = nn.Parameter(torch.randn(len(config.names), config.edges, width))
         self.edges = nn.TransformerDecoder(
             nn.TransformerDecoderLayer(*sizes, **layer), config.layers
         )
-        self.to_place = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, NUMBERS_A_PLACE))
-        self.to_edge = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, NUMBERS_AN_EDGE))
+        self.to_place = nn.Sequential(nn.LayerNorm(width), quiet(nn.Linear(width, NUMBERS_A_PLACE)))
+        self.to_edge = nn.Sequential(nn.LayerNorm(width), quiet(nn.Linear(width, NUMBERS_AN_EDGE)))
+        self.usual = Usual(config)
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
@@ -73,4 +75,4 @@ class PanelTransformer(nn.Module, PyTorchModelHubMixin, library_name="garmentima
         whole = memory.mean(1)[:, None].expand(-1, slots, -1)
         own = torch.stack([panels, whole], 2).flatten(0, 1)
         edges = self.to_edge(self.edges(asked, own)).unflatten(0, (len(seen), slots))
-        return outputs(self.to_place(panels), edges)
+        return self.usual(self.to_place(panels), edges)  # type: ignore[no-any-return]

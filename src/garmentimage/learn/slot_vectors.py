@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, UInt8
-from torch import Tensor
+from torch import Tensor, nn
 from torch.nn import functional
 
 from garmentimage.errors import DecodeError, LearnError, quoted
@@ -196,6 +196,40 @@ def outputs(
     """The numbers of panels and edges, by what they mean."""
     rows, tags, free = edges.split([ROW, TAGS, 1], 3)
     return SlotOutputs(rows, places[..., :4], places[..., 4:], tags, free[..., 0])
+
+
+class Usual(nn.Module):
+    """What a network says before it has learnt anything: the mean of the garments to learn from.
+
+    A network whose numbers are added to it need not find the mean first, which takes a transformer
+    most of a small budget.
+    """
+
+    def __init__(self, config: SlotConfig) -> None:
+        super().__init__()
+        slots = len(config.names)
+        self.places = nn.Parameter(torch.zeros(slots, NUMBERS_A_PLACE))
+        self.edges = nn.Parameter(torch.zeros(slots, config.edges, NUMBERS_AN_EDGE))
+
+    @torch.no_grad()
+    def set_to_mean(self, known: SlotVectors) -> None:
+        """Start from the mean of these."""
+        self.places.copy_(torch.cat([known.rotations, known.translations], 2).mean(0))
+        free = torch.logit(1 - known.sewn.float().mean(0), 0.01)[..., None]
+        self.edges.copy_(torch.cat([known.edges.mean(0), known.tags.mean(0), free], 2))
+
+    def forward(
+        self, places: Float[Tensor, "n slot 7"], edges: Float[Tensor, "n slot edge 10"]
+    ) -> SlotOutputs:
+        """The numbers of panels and edges, added to what is usual."""
+        return outputs(self.places + places, self.edges + edges)
+
+
+def quiet(layer: nn.Linear) -> nn.Linear:
+    """A last layer that says nothing yet."""
+    nn.init.zeros_(layer.weight)
+    nn.init.zeros_(layer.bias)
+    return layer
 
 
 def slot_losses(found: SlotOutputs, truth: SlotVectors) -> dict[str, Tensor]:
