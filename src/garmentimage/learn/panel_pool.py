@@ -11,8 +11,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from garmentimage.learn.panel_recurrent import NARROW
-from garmentimage.learn.seer import seer
+from garmentimage.learn.seer import Whole, seer
 from garmentimage.learn.slot_vectors import (
     NUMBERS_A_PLACE,
     NUMBERS_AN_EDGE,
@@ -32,12 +31,7 @@ class PanelPool(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", li
         self.config = config
         self.see = seer(config.resnet)
         cells, slots = config.picture // self.see.pixels, len(config.names)
-        self.whole = nn.Sequential(
-            nn.Conv2d(self.see.width, NARROW, 1),
-            nn.Flatten(),
-            nn.Linear(NARROW * cells * cells, config.width),
-            nn.SiLU(),
-        )
+        self.whole = nn.Sequential(Whole(self.see.width, cells, config.width), nn.SiLU())
         self.to_there = nn.Linear(config.width, slots)
         self.to_place = nn.Linear(config.width, slots * NUMBERS_A_PLACE)
         self.to_edge = nn.Linear(config.width, slots * config.edges * NUMBERS_AN_EDGE)

@@ -9,7 +9,7 @@ from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from garmentimage.learn.seer import seer
+from garmentimage.learn.seer import Whole, seer
 from garmentimage.learn.slot_vectors import (
     NUMBERS_A_PLACE,
     NUMBERS_AN_EDGE,
@@ -21,9 +21,6 @@ from garmentimage.learn.slot_vectors import (
     slot_losses,
 )
 
-NARROW = 32
-"""Channels of the picture's places that become one vector."""
-
 
 class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
     """Pictures to patterns in slots."""
@@ -33,12 +30,7 @@ class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage
         self.config = config
         width = config.width
         self.see = seer(config.resnet)
-        cells = config.picture // self.see.pixels
-        self.whole = nn.Sequential(
-            nn.Conv2d(self.see.width, NARROW, 1),
-            nn.Flatten(),
-            nn.Linear(NARROW * cells * cells, width),
-        )
+        self.whole = Whole(self.see.width, config.picture // self.see.pixels, width)
         self.panels = nn.LSTM(width, width, config.layers, batch_first=True)
         self.edges = nn.LSTM(width, width, config.layers, batch_first=True)
         self.to_place = quiet(nn.Linear(width, NUMBERS_A_PLACE))

@@ -42,13 +42,13 @@ class PanelTransformer(nn.Module, PyTorchModelHubMixin, library_name="garmentima
         }
         sizes = (width, HEADS, 4 * width)
         self.see = seer(config.resnet)
-        self.narrow = nn.Conv2d(self.see.width, width, 1)
+        self.narrow = nn.Sequential(nn.Conv2d(self.see.width, width, 1), nn.BatchNorm2d(width))
         cells = config.picture // self.see.pixels
         self.places = nn.Parameter(0.1 * torch.randn(cells * cells, width))
         self.encoder = nn.TransformerEncoder(
             nn.TransformerEncoderLayer(*sizes, **layer), config.layers, enable_nested_tensor=False
         )
-        self.panel_queries = nn.Parameter(0.1 * torch.randn(len(config.names), width))
+        self.panel_queries = nn.Parameter(torch.randn(len(config.names), width))
         self.panels = nn.TransformerDecoder(
             nn.TransformerDecoderLayer(*sizes, **layer), config.layers
         )

@@ -14,6 +14,8 @@ from garmentimage.learn.unet import FOLD, Block
 
 WIDTHS = (64, 96, 128)
 """Channels at a quarter, an eighth and a sixteenth of the picture's size."""
+NARROW = 32
+"""Channels of the picture's places that become one vector."""
 
 
 class Seer(nn.Module):
@@ -35,6 +37,27 @@ class Seer(nn.Module):
     ) -> Float[Tensor, "n channel row col"]:
         """Features of a picture whose colours are from 0 to 1."""
         return self.layers(self.take(functional.pixel_unshuffle(picture - 0.5, FOLD)))
+
+
+class Whole(nn.Sequential):
+    """Features of places to one vector of the whole picture.
+
+    Each of its numbers is standardised over a batch: pictures of worn garments are nearly the same,
+    and a network that is given features as they come learns the mean garment and little else.
+
+    Args:
+        channels: of the features.
+        cells: places a side.
+        width: numbers of the vector.
+    """
+
+    def __init__(self, channels: int, cells: int, width: int) -> None:
+        super().__init__(
+            nn.Conv2d(channels, NARROW, 1),
+            nn.Flatten(),
+            nn.Linear(NARROW * cells * cells, width),
+            nn.BatchNorm1d(width),
+        )
 
 
 class ResNetSeer(nn.Module):
