@@ -17,8 +17,8 @@ train() { # name, network, epochs, further words
 for recipe in d2 d1; do
     "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
     for seed in 0 1 2; do train "cascade-$seed" cascade 24 --seed "$seed"; done
-    train panel-transformer panel-transformer 8 --rate 0.001
-    train panel-recurrent panel-recurrent 20
+    train panel-transformer panel-transformer 8 --rate 0.0005 --batch 32
+    train panel-recurrent panel-recurrent 18 --rate 0.004
     train panel-pool panel-pool 30
     if [ "$recipe" = d2 ]; then # the ablations, all with a third of the training
         train short cascade 8
@@ -36,8 +36,8 @@ for kind in one-panel-dress one-panel-jumpsuit top-skirt top-pants shirt skirt p
     train "cascade-$kind" cascade 14 --without "$kind"
 done
 for kind in top-skirt tee hoodie; do
-    train "panel-transformer-$kind" panel-transformer 5 --rate 0.001 --without "$kind"
-    train "panel-recurrent-$kind" panel-recurrent 11 --without "$kind"
+    train "panel-transformer-$kind" panel-transformer 5 --rate 0.0005 --batch 32 --without "$kind"
+    train "panel-recurrent-$kind" panel-recurrent 11 --rate 0.004 --without "$kind"
 done
 "$run" evaluate image --recipe "$recipe" -o "runs/image-$recipe"
 
