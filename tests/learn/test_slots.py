@@ -64,8 +64,7 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
     made = kind.network(SlotConfig(name, WORDS.names, WORDS.edges, 96, layers))
     pictures = torch.randint(0, 256, (len(GARMENTS), 3, 128, 128), dtype=torch.uint8)
     batch = PicturedSlots(pictures, slot_vectors(GARMENTS, WORDS))
-    if hasattr(made, "usual"):
-        made.usual.set_to_mean(batch.patterns)
+    made.usual.set_to_mean(batch.patterns)
     optimizer = torch.optim.AdamW(made.parameters(), 1e-3)
     first = made(batch)["loss"].item()
     for _ in range(200):
@@ -78,14 +77,16 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
     assert losses["rotations"].item() < 0.05 and losses["translations"].item() < 0.05
 
 
-@pytest.mark.parametrize("name", ["panel-transformer", "panel-recurrent"])
+@pytest.mark.parametrize("name", SLOT_NETWORKS)
 def test_a_baseline_starts_from_the_mean_garment(name):
     made = SLOT_NETWORKS[name].network(SlotConfig(name, WORDS.names, WORDS.edges, 32, 1))
     truth = slot_vectors(GARMENTS, WORDS)
     made.usual.set_to_mean(truth)
     with torch.no_grad():
         found = made.predict(torch.rand(2, 3, 128, 128))
-    assert torch.allclose(found.edges[1], truth.edges.mean(0), atol=1e-5)
+    seen = found.edges[1].any(2).any(1)  # a pool leaves out what it does not see
+    assert torch.allclose(found.edges[1, seen], truth.edges.mean(0)[seen], atol=1e-5)
+    assert seen.all() or name == "panel-pool"
     assert torch.allclose(found.translations[0], truth.translations.mean(0), atol=1e-5)
     assert torch.equal(found.free[0] < 0, truth.sewn.float().mean(0) > 0.5)
 
@@ -95,6 +96,7 @@ def test_a_pool_leaves_out_the_panels_that_it_does_not_see():
         SlotConfig("panel-pool", WORDS.names, WORDS.edges, 32, 1)
     )
     with torch.no_grad():
+        pool.usual.edges.fill_(1)
         pool.to_there.weight.zero_()
         pool.to_there.bias[:] = torch.arange(len(WORDS.names)) - 1.5
         found = pool.predict(torch.rand(3, 3, 128, 128))

@@ -153,12 +153,11 @@ def slot_lesson(wanted: Wanted, name: str) -> Lesson:
         resnet=resnet.config.to_dict() if resnet else None,
     )
 
-    def make() -> nn.Module:
-        model = kind.network(config)
+    def make() -> Any:
+        model: Any = kind.network(config)
         if resnet is not None:
-            model.see.net.load_state_dict(resnet.state_dict())  # type: ignore[union-attr]
-        if hasattr(model, "usual"):
-            model.usual.set_to_mean(known.patterns)  # type: ignore[operator,union-attr]
+            model.see.net.load_state_dict(resnet.state_dict())
+        model.usual.set_to_mean(known.patterns)
         return model
 
     seen_by = "ResNet that was given" if resnet else "small encoder of pictures"

@@ -18,7 +18,8 @@ from garmentimage.learn.slot_vectors import (
     PicturedSlots,
     SlotConfig,
     SlotOutputs,
-    outputs,
+    Usual,
+    quiet,
     slot_losses,
 )
 
@@ -33,8 +34,9 @@ class PanelPool(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", li
         cells, slots = config.picture // self.see.pixels, len(config.names)
         self.whole = nn.Sequential(Whole(self.see.width, cells, config.width), nn.SiLU())
         self.to_there = nn.Linear(config.width, slots)
-        self.to_place = nn.Linear(config.width, slots * NUMBERS_A_PLACE)
-        self.to_edge = nn.Linear(config.width, slots * config.edges * NUMBERS_AN_EDGE)
+        self.to_place = quiet(nn.Linear(config.width, slots * NUMBERS_A_PLACE))
+        self.to_edge = quiet(nn.Linear(config.width, slots * config.edges * NUMBERS_AN_EDGE))
+        self.usual = Usual(config)
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
@@ -55,4 +57,4 @@ class PanelPool(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", li
         whole, slots = self.whole(self.see(seen)), len(self.config.names)
         places = self.to_place(whole).unflatten(1, (slots, NUMBERS_A_PLACE))
         edges = self.to_edge(whole).unflatten(1, (slots, self.config.edges, NUMBERS_AN_EDGE))
-        return outputs(places, edges), self.to_there(whole)
+        return self.usual(places, edges), self.to_there(whole)

@@ -49,4 +49,5 @@ class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage
         each = panels.flatten(0, 1)[:, None].expand(-1, config.edges, -1)
         edges, _ = self.edges(each)
         numbers = self.to_edge(edges).unflatten(0, panels.shape[:2])
-        return self.usual(self.to_place(panels), numbers)  # type: ignore[no-any-return]
+        found: SlotOutputs = self.usual(self.to_place(panels), numbers)
+        return found

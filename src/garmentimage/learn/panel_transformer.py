@@ -75,4 +75,5 @@ class PanelTransformer(nn.Module, PyTorchModelHubMixin, library_name="garmentima
         whole = memory.mean(1)[:, None].expand(-1, slots, -1)
         own = torch.stack([panels, whole], 2).flatten(0, 1)
         edges = self.to_edge(self.edges(asked, own)).unflatten(0, (len(seen), slots))
-        return self.usual(self.to_place(panels), edges)  # type: ignore[no-any-return]
+        found: SlotOutputs = self.usual(self.to_place(panels), edges)
+        return found

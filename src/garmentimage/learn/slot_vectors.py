@@ -190,14 +190,6 @@ class SlotOutputs:
     free: Float[Tensor, "n slot edge"]
 
 
-def outputs(
-    places: Float[Tensor, "n slot 7"], edges: Float[Tensor, "n slot edge 10"]
-) -> SlotOutputs:
-    """The numbers of panels and edges, by what they mean."""
-    rows, tags, free = edges.split([ROW, TAGS, 1], 3)
-    return SlotOutputs(rows, places[..., :4], places[..., 4:], tags, free[..., 0])
-
-
 class Usual(nn.Module):
     """What a network says before it has learnt anything: the mean of the garments to learn from.
 
@@ -221,8 +213,10 @@ class Usual(nn.Module):
     def forward(
         self, places: Float[Tensor, "n slot 7"], edges: Float[Tensor, "n slot edge 10"]
     ) -> SlotOutputs:
-        """The numbers of panels and edges, added to what is usual."""
-        return outputs(self.places + places, self.edges + edges)
+        """The numbers of panels and edges, added to what is usual, by what they mean."""
+        turns, moves = (self.places + places).split([4, 3], 2)
+        rows, tags, free = (self.edges + edges).split([ROW, TAGS, 1], 3)
+        return SlotOutputs(rows, turns, moves, tags, free[..., 0])
 
 
 def quiet(layer: nn.Linear) -> nn.Linear:
