@@ -44,6 +44,15 @@ def shard_files(folder: str | Path, split: str | None = None) -> list[Path]:
     return files
 
 
+def has_split(folder: str | Path, split: str) -> bool:
+    """Whether a dataset has a split; recipes that leave no type out have none that is unseen.
+
+    Raises:
+        DatasetError: there is no dataset, or a part of it is missing.
+    """
+    return any(file.name.startswith(f"{split}-") for file in shard_files(folder))
+
+
 def tables(
     folder: str | Path, split: str | None, columns: Sequence[str] | None = None
 ) -> Iterator[pa.Table]:

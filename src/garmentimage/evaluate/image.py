@@ -261,11 +261,11 @@ def _items(
 
 def has_unseen(data: str, held_out: str, validation: bool = False) -> bool:
     """Whether there are garments of types that no training had to measure on."""
-    from garmentimage.dataset.read import shard_files
+    from garmentimage.dataset.read import has_split
 
     if held_out or validation:  # those of the split `unseen` are for no choice
         return bool(held_out)
-    return any(file.name.startswith("unseen-") for file in shard_files(data))
+    return has_split(data, "unseen")
 
 
 def order_of(album: "Album") -> list[int]:

@@ -61,10 +61,10 @@ def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
 
 def _told(data: Path, split: str, columns: Sequence[str], without: str = "") -> dict[str, set[str]]:
     """All values of some columns in a split; none where there is no such split."""
-    from garmentimage.dataset.read import shard_files, tables
+    from garmentimage.dataset.read import has_split, tables
 
     found: dict[str, set[str]] = {name: set() for name in columns}
-    if not any(file.name.startswith(f"{split}-") for file in shard_files(data)):
+    if not has_split(data, split):
         return found
     for table in tables(data, split, list(columns)):
         kept = [name != without for name in table["type"].to_pylist()]
@@ -112,9 +112,9 @@ def groups(
     Raises:
         LearnError: a network was trained without several types.
     """
-    from garmentimage.dataset.read import shard_files
+    from garmentimage.dataset.read import has_split
 
-    is_told = any(file.name.startswith("unseen-") for file in shard_files(data))
+    is_told = has_split(data, "unseen")
     if is_told and not (validation and any(run_of(each).get("without") for each in guessers)):
         return {"": list(guessers)}
     found: dict[str, list[Guesser]] = {}

@@ -28,7 +28,7 @@ from garmentimage.learn.weights import load_weights
 from garmentimage.metrics.intervals import interval
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
-from garmentimage.text.edit import AT_ONCE, PULL, RATE, SETTLE, denoiser_guidance
+from garmentimage.text.edit import PULL, RATE, SETTLE, denoiser_guidance
 from garmentimage.text.guidance import descent
 
 SEED = 50
@@ -179,7 +179,6 @@ def _moved(editing: Editing, z: np.ndarray, text: str) -> np.ndarray:
         steps=editing.steps,
         rate=RATE,
         pull=PULL / editing.strength,
-        at_once=AT_ONCE,
     )
     return moved.numpy()
 

@@ -30,10 +30,10 @@ MOST_TEXT = 500
 """Characters of a text."""
 STRENGTHS, STEPS = (0.05, 20.0), (1, 5000)
 """Least and most of what may be asked."""
-PULL = 0.02
+PULL = 0.06
 """What the squared distance from the start costs at strength 1."""
-RATE, AT_ONCE = 0.06, 4
-"""Learning rate, and pictures with noise of their own in each step."""
+RATE = 0.06
+"""Learning rate."""
 STEPS_USUAL = 150
 FRAMES = 6
 """Steps that are kept for the strip, with both ends."""
@@ -138,7 +138,6 @@ class TextEditor:
             steps=steps,
             rate=RATE,
             pull=PULL / strength,
-            at_once=AT_ONCE,
             progress=keep,
         )
         frames = tuple(self._frame(number, z) for number, z in sorted(moments.items()))
@@ -193,7 +192,7 @@ def stable_guidance(model: str | None, **told: Any) -> ScoreDistillation:
     """
     from garmentimage.text.stable import DEFAULT, SCALE, WRAPPED, StableDiffusion
 
-    usual = {"scale": SCALE, "wrapped": WRAPPED}
+    usual = {"scale": SCALE, "wrapped": WRAPPED, "noises": 1}
     return ScoreDistillation(StableDiffusion(model or DEFAULT), **{**usual, **told})
 
 

@@ -80,6 +80,8 @@ class ScoreDistillation:
         schedule: times of the noise.
         only_text: leave out what the model thinks of pictures without any text: what is not like
             its own pictures then does not drive the edit (Yu et al. 2024).
+        noises: how many are put on each picture, each at a time of its own; the gradient is their
+            mean.
         seed: of noise and times.
 
     Raises:
@@ -95,6 +97,7 @@ class ScoreDistillation:
         wrapped: str = "{}",
         schedule: Schedule = Schedule(),
         only_text: bool = False,
+        noises: int = 4,
         seed: int = 0,
     ) -> None:
         if wrapped.count("{}") != 1:
@@ -102,7 +105,7 @@ class ScoreDistillation:
         if not (math.isfinite(scale) and scale > 0):
             raise LearnError(f"the guidance scale is {scale}; give more than 0")
         self.diffusion, self.scale, self.wrapped = diffusion, scale, wrapped
-        self.schedule, self.only_text = schedule, only_text
+        self.schedule, self.only_text, self.noises = schedule, only_text, noises
         self.generator = torch.Generator().manual_seed(seed)
         self._negative = negative
         self._known: dict[str, Any] = {}
@@ -111,9 +114,10 @@ class ScoreDistillation:
         """See `Guidance`; noise and times are drawn for each picture on its own."""
         shown = pictures.detach().requires_grad_()
         hidden = self.diffusion.hidden(shown)
-        times = self.schedule.drawn(done, len(shown), self.generator).to(hidden.device)
-        noise = torch.randn(hidden.shape, generator=self.generator).to(hidden)
-        push = self.push(hidden.detach(), text, times, noise)
+        many = hidden.detach().repeat_interleave(self.noises, 0)
+        times = self.schedule.drawn(done, len(many), self.generator).to(hidden.device)
+        noise = torch.randn(many.shape, generator=self.generator).to(hidden)
+        push = self.push(many, text, times, noise).unflatten(0, (-1, self.noises)).mean(1)
         (gradient,) = torch.autograd.grad(hidden, shown, push)
         return gradient
 
@@ -142,7 +146,6 @@ def descent(
     steps: int,
     rate: float,
     pull: float,
-    at_once: int,
     progress: Callable[[int, Tensor], None] = lambda step, z: None,
 ) -> Float[Tensor, " latent"]:
     """The latent vector that a text makes of another, by gradient descent (Adam).
@@ -155,16 +158,14 @@ def descent(
         steps: how many.
         rate: of Adam.
         pull: how much the squared distance from the start costs.
-        at_once: pictures that the gradient is averaged over in a step; they differ in their noise.
         progress: called after every step.
     """
     z = start.clone().requires_grad_()
     optimizer = torch.optim.Adam([z], rate, betas=(0.9, 0.99))
     for step in range(steps):
         picture = draw(z[None])
-        shown = picture.detach().expand(at_once, -1, -1, -1)
-        push = guidance.gradient(shown, text, step / max(steps - 1, 1)).mean(0)
-        loss = (push * picture[0]).sum() / push.shape[0] + pull * ((z - start) ** 2).sum()
+        push = guidance.gradient(picture.detach(), text, step / max(steps - 1, 1))
+        loss = (push * picture).sum() + pull * ((z - start) ** 2).sum()
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
