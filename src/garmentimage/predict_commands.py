@@ -2,19 +2,22 @@
 
 import argparse
 import sys
-from os import PathLike
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from garmentimage.explore_commands import make_folder
-from garmentimage.files import safe_name, shown_path, write_together
-from garmentimage.terminal import Exit, list_facts, one_line, print_json
+from garmentimage.errors import LearnError
+from garmentimage.explore_commands import check_folder, make_folder
+from garmentimage.files import check_output, safe_name, shown_path, write_together
+from garmentimage.terminal import Exit, error_facts, list_facts, one_line, print_json
 
 if TYPE_CHECKING:
     import numpy as np
 
     from garmentimage.explore.strip import Shown
     from garmentimage.predict.network import Prediction
+
+SUFFIXES = (".json", ".npz", ".glb", ".png")
 
 
 def predict_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,37 +32,58 @@ def predict_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_predict(options: argparse.Namespace) -> Exit:
-    """The pattern of the garment in each picture."""
+    """The pattern of the garment in each picture; one that will not do does not stop the others."""
     from tqdm import tqdm
 
     from garmentimage.explore.strip import shown
     from garmentimage.predict.network import DEFAULT, PatternPredictor
 
-    make_folder(options.out)
-    network = PatternPredictor.load(options.network or DEFAULT)
+    check_folder(options.out)
+    names = _names(options.images)
+    _check_results(options.out, names)
+    network = PatternPredictor.load(DEFAULT if options.network is None else options.network)
     told: list[dict[str, Any]] = []
-    for path in tqdm(options.images, unit="picture", disable=None, file=sys.stderr):
-        prediction = network.predict(path)
-        worn = shown(path.name, prediction.step)
-        name = _free_name(path, [each["name"] for each in told])
-        _put(options.out / name, prediction, worn)
-        told.append(_facts(name, prediction, worn))
-        if not options.json:
-            print(_sentence(options.out, told[-1]))
+    failed: list[dict[str, Any]] = []
+    with tqdm(names.items(), unit="picture", disable=None, file=sys.stderr) as bar:
+        for name, path in bar:
+            try:
+                prediction = network.predict(path)
+            except LearnError as error:
+                failed.append({"image": str(path), **error_facts(error)})
+                bar.write(f"error: {one_line(error)}", file=sys.stderr)
+                continue
+            worn = shown(path.name, prediction.step)
+            _put(options.out, name, prediction, worn)
+            told.append(_facts(name, prediction, worn))
+            if not options.json:
+                bar.write(_sentence(options.out, told[-1]), file=sys.stdout)
     if options.json:
-        print_json({"out": str(options.out), "garments": told})
-    return Exit.OK
+        print_json({"out": str(options.out), "garments": told, "errors": failed})
+    return Exit.USER_ERROR if failed else Exit.OK
 
 
-def _free_name(path: Path, taken: list[str]) -> str:
-    """The picture's own name, numbered where two pictures have the same."""
-    name, number = safe_name(path.stem), 2
-    while name in taken:
-        name, number = safe_name(f"{path.stem}-{number}"), number + 1
-    return name
+def _names(images: Sequence[Path]) -> dict[str, Path]:
+    """Names of results: the picture's own, numbered where two pictures have the same."""
+    names: dict[str, Path] = {}
+    for path in images:
+        names[safe_name(path.stem, names)] = path
+    return names
 
 
-def _put(path: Path, prediction: "Prediction", worn: "Shown") -> None:
+def _check_results(out: Path, names: Mapping[str, Path]) -> None:
+    """Refuse to write over a picture that is asked about.
+
+    Raises:
+        OutputError: says which.
+    """
+    for name in names:
+        for suffix in SUFFIXES:
+            if (out / (name + suffix)).exists():
+                check_output(out / (name + suffix), SUFFIXES, names.values())
+
+
+def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
+    """Write what is found, and take away what an earlier run found under the same name."""
     from garmentimage.drape.export import worn_bytes
     from garmentimage.pattern.spec import pattern_text
     from garmentimage.raster.files import image_bytes
@@ -67,15 +91,17 @@ def _put(path: Path, prediction: "Prediction", worn: "Shown") -> None:
 
     step = prediction.step
     assert step.image is not None  # it is made of one
-    results: dict[str | PathLike[str], bytes | str] = {
-        f"{path}.npz": image_bytes(step.image),
-        f"{path}.png": png_bytes(_picture(prediction, worn)),
+    found: dict[str, bytes | str | None] = {
+        ".npz": image_bytes(step.image),
+        ".png": png_bytes(_picture(prediction, worn)),
+        ".json": None if step.pattern is None else pattern_text(step.pattern),
+        ".glb": None if worn.worn is None else worn_bytes(worn.worn, ".glb"),
     }
-    if step.pattern is not None:
-        results[f"{path}.json"] = pattern_text(step.pattern)
-    if worn.worn is not None:
-        results[f"{path}.glb"] = worn_bytes(worn.worn, ".glb")
-    write_together(results)
+    make_folder(out)
+    write_together({out / (name + k): data for k, data in found.items() if data is not None})
+    for suffix, data in found.items():
+        if data is None:
+            (out / (name + suffix)).unlink(missing_ok=True)
 
 
 def _picture(prediction: "Prediction", worn: "Shown") -> "np.ndarray":

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import garmentimage as gi
 from garmentimage.draft.sample import sample
-from garmentimage.metrics import interval, likeness, likeness_summary
+from garmentimage.metrics import interval, likeness, likeness_summary, validity
 from garmentimage.pattern.model import Side, Stitch
 from tests.metrics.garments import (
     renamed_panels,
@@ -109,6 +109,33 @@ def test_nothing_found_is_all_wrong_and_no_error():
         told = likeness(truth, found)
         assert (told.panel_iou, told.panel_l2, told.by_length.f1) == (0, None, 0)
         assert not told.valid and not told.topology
+        assert told.by_edge.precision == told.by_edge.recall == 0
+    loose = replace(truth, stitches=())
+    assert likeness(loose, None).by_edge.f1 == 0 and likeness(loose, loose).by_edge.f1 == 1
+
+
+def test_a_panel_that_stands_nowhere_is_nothing_found():
+    truth = drawn("tee", 0)
+    lost = replace(truth.panels[0], translation=(np.nan, 0.0, 0.0))
+    found = replace(truth, panels=(lost, *truth.panels[1:]))
+    assert likeness(truth, found).panel_iou == 0 and "not finite" in validity(found)[0]
+
+
+def test_a_truth_that_is_none_is_refused():
+    truth = drawn("tee", 0)
+    with pytest.raises(gi.PatternError, match="true pattern without panels"):
+        likeness(replace(truth, panels=(), stitches=()), truth)
+    with pytest.raises(TypeError, match="wanted a Pattern"):
+        likeness(truth, "tee.json")
+
+
+def test_sums_of_nothing_are_refused():
+    one = likeness(drawn("tee", 0), None)
+    for found, draped in (([], None), ([one, one], [True])):
+        with pytest.raises(ValueError, match="give one or more, and tell of each"):
+            likeness_summary(found, draped=draped)
+    with pytest.raises(ValueError, match="no values"):
+        interval([])
 
 
 def test_a_garment_decoded_from_its_image_has_all_stitches_by_length():

@@ -1,5 +1,7 @@
 """Figures of published codes: worked out by hand, and the same for a pattern and itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -136,3 +138,32 @@ def test_what_slots_do_not_have_is_told():
         slots_of(holed, [panel.name for panel in holed.panels])
     with pytest.raises(ValueError, match="there is no mode 'ours'"):
         published_figures([], [], "ours")
+
+
+def test_batches_that_do_not_fit_are_refused():
+    skirt = draft("skirt")
+    names = [panel.name for panel in skirt.panels]
+    one = slots_of(skirt, names)
+    empty = slots_of(replace(skirt, panels=(), stitches=()), names)
+    for mode in MODES:
+        for truths, found, message in (
+            ([], [], "0 true patterns"),
+            ([one], [one, one], "1 true patterns and 2 found ones"),
+            ([one], [slots_of(skirt, [*names, "more"])], "the same slots"),
+            ([empty], [one], "a true pattern has no panels"),
+        ):
+            with pytest.raises(ValueError, match=message):
+                published_figures(truths, found, mode)
+        with pytest.raises(ValueError, match="none of them 0"):
+            published_figures([one], [one], mode, scale=np.zeros(4))
+
+
+def test_slots_and_tags_that_cannot_be_are_refused():
+    skirt = draft("skirt")
+    names = [panel.name for panel in skirt.panels]
+    with pytest.raises(ValueError, match="names of their own"):
+        slots_of(skirt, [*names, names[0]])
+    with pytest.raises(PatternError, match="which does not exist"):
+        slots_of(replace(skirt, panels=skirt.panels[1:]), names)
+    with pytest.raises(ValueError, match="not finite"):
+        tag_stitches(np.full((1, 4, 3), np.nan), np.zeros((1, 4)), np.ones((1, 4), bool))

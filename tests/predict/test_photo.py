@@ -1,11 +1,13 @@
 """Photographs: read whatever their format, refused in a sentence, brought into place."""
 
+import os
+
 import numpy as np
 import pytest
 from PIL import Image
 
 from garmentimage.errors import LearnError
-from garmentimage.predict.photo import Box, Photo, framed, read_photo, wearer_mask
+from garmentimage.predict.photo import Box, Photo, as_photo, find_wearer, framed, read_photo
 
 BOX = Box(0.1, 0.9, 0.3, 0.7)
 
@@ -61,7 +63,7 @@ def test_what_is_no_picture_is_told_in_a_sentence(tmp_path):
         read_photo(text)
     whole = saved(tmp_path, Image.fromarray(figure()), "whole.png").read_bytes()
     (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(LearnError, match=r"half\.png: is no picture that can be read"):
+    with pytest.raises(LearnError, match=r"half\.png: is damaged or cut short"):
         read_photo(tmp_path / "half.png")
     with pytest.raises(LearnError, match=r"dot\.png: has 1 x 1 pixels; give 32 a side"):
         read_photo(saved(tmp_path, Image.new("RGB", (1, 1)), "dot.png"))
@@ -82,8 +84,8 @@ def test_what_is_no_picture_is_told_in_a_sentence(tmp_path):
 
 def test_a_wearer_in_place_stays_there():
     there = framed(Photo(figure(), ()), BOX, 100)
-    assert wearer_mask(there.pixels)[10:90, 30:70].all()
-    assert wearer_mask(there.pixels).sum() == 80 * 40
+    mask, note = find_wearer(there.pixels)
+    assert mask[10:90, 30:70].all() and mask.sum() == 80 * 40 and not note
 
 
 @pytest.mark.parametrize("colour", [(255, 255, 255), (90, 120, 90)])
@@ -93,7 +95,7 @@ def test_a_wearer_elsewhere_is_brought_into_place_on_white(colour, dx, dy, grown
     top, left = (40 + dy) * grown, (100 + dx) * grown
     pixels[top : top + 160 * grown, left : left + 80 * grown] = (150, 40, 30)
     photo = framed(Photo(pixels, ()), BOX, 100)
-    mask = wearer_mask(photo.pixels)
+    mask, _ = find_wearer(photo.pixels)
     at = np.argwhere(mask)
     assert np.abs(at.min(0) - (10, 30)).max() <= 1 and np.abs(at.max(0) - (89, 69)).max() <= 1
     assert (photo.pixels[0] == 255).all() and photo.notes == ()
@@ -103,4 +105,65 @@ def test_a_restless_background_is_told():
     noise = np.random.default_rng(0).integers(0, 256, (100, 150, 3)).astype(np.uint8)
     photo = framed(Photo(noise, ()), BOX, 64)
     assert photo.pixels.shape == (64, 64, 3) and "no plain background" in photo.notes[0]
-    assert wearer_mask(np.full((40, 40, 3), 200, np.uint8)) is None
+
+
+def test_an_empty_picture_is_told_and_so_is_a_speck():
+    page = np.full((100, 100, 3), 200, np.uint8)
+    assert find_wearer(page) == (None, "shows nothing before its background")
+    page[50, 50] = 0
+    assert find_wearer(page) == (None, "shows nothing before its background")
+
+
+def test_of_two_figures_the_larger_is_taken_and_that_is_told():
+    two = np.hstack([figure(), figure(top=40)])
+    mask, note = find_wearer(two)
+    assert mask[:, :200].any() and not mask[:, 200:].any() and "more than one figure" in note
+
+
+def test_pixels_and_images_will_do_and_other_values_are_refused():
+    pixels = figure()
+    for picture in (pixels, Image.fromarray(pixels), Photo(pixels, ())):
+        assert np.array_equal(as_photo(picture).pixels, pixels)
+    for wrong in (pixels / 255.0, pixels[..., 0], pixels.transpose(2, 0, 1), Photo([], ())):
+        with pytest.raises(TypeError, match="wanted"):
+            as_photo(wrong)
+    for wrong in (None, b"photo.png", 3):
+        with pytest.raises(TypeError, match="wanted a path, pixels or an image"):
+            as_photo(wrong)
+    with pytest.raises(LearnError, match="the picture: has 4 x 4 pixels"):
+        as_photo(pixels[:4, :4])
+
+
+def test_a_large_photograph_is_made_smaller():
+    large = as_photo(figure().repeat(15, 0).repeat(15, 1))
+    assert large.pixels.shape == (2048, 2048, 3)
+    mask, _ = find_wearer(large.pixels)
+    assert mask.mean() == pytest.approx(160 * 80 / 200**2, rel=0.01)
+
+
+def test_a_picture_of_a_phone_with_a_second_one_in_it_is_read(tmp_path):
+    first, second = Image.fromarray(figure()), Image.new("RGB", (200, 200))
+    photo = read_photo(
+        saved(tmp_path, first, "phone.jpg", format="MPO", save_all=True, append_images=[second])
+    )
+    assert np.abs(photo.pixels.astype(int) - figure()).mean() < 3
+
+
+def test_a_strip_is_too_thin_to_show_someone(tmp_path):
+    with pytest.raises(LearnError, match=r"strip\.png: has 32 x 1000 pixels, too thin"):
+        read_photo(saved(tmp_path, Image.new("RGB", (32, 1000)), "strip.png"))
+
+
+def test_a_file_that_never_ends_is_refused(tmp_path):
+    os.mkfifo(tmp_path / "pipe.png")
+    with pytest.raises(LearnError, match=r"pipe\.png: is no ordinary file"):
+        read_photo(tmp_path / "pipe.png")
+
+
+@pytest.mark.parametrize(
+    "sides",
+    [(0.1, 0.1, 0.0, 1.0), (0.9, 0.1, 0.0, 1.0), (0.0, float("nan"), 0.0, 1.0), (0.0, 1.5, 0, 1)],
+)
+def test_a_box_that_is_none_is_refused(sides):
+    with pytest.raises(ValueError, match="a box from"):
+        Box(*sides)

@@ -98,6 +98,57 @@ def test_predict_writes_all_of_a_garment(made, tmp_path, capsys):
     assert "confidence" in capsys.readouterr().out
 
 
+def test_a_bad_picture_does_not_stop_the_others(made, tmp_path, capsys):
+    folder, album = made
+    for name in ("one", "two"):
+        Image.fromarray(picture(album, 0)).save(tmp_path / f"{name}.png")
+    (tmp_path / "bad.png").write_text("no picture")
+    paths = [str(tmp_path / f"{name}.png") for name in ("one", "bad", "two")]
+    words = ["predict", *paths, "-o", str(tmp_path / "out"), "--network", str(folder)]
+    assert main([*words, "--json"]) == 2
+    said = capsys.readouterr()
+    told = json.loads(said.out)
+    assert [each["name"] for each in told["garments"]] == ["one", "two"]
+    assert told["errors"][0]["image"] == paths[1] and "bad.png: is no picture" in said.err
+
+
+def test_a_picture_is_never_written_over(made, tmp_path, capsys):
+    folder, album = made
+    Image.fromarray(picture(album, 0)).save(tmp_path / "photo.png")
+    before = (tmp_path / "photo.png").read_bytes()
+    words = ["predict", str(tmp_path / "photo.png"), "--network", str(folder)]
+    assert main([*words, "-o", str(tmp_path)]) == 2
+    assert "photo.png: is an input" in capsys.readouterr().err
+    assert (tmp_path / "photo.png").read_bytes() == before and len(list(tmp_path.iterdir())) == 1
+
+
+def test_names_that_begin_alike_are_numbered(made, tmp_path, capsys):
+    folder, album = made
+    paths = []
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        paths.append(tmp_path / name / f"{'a' * 120}.png")
+        Image.fromarray(picture(album, 0)).save(paths[-1])
+    words = ["predict", *map(str, paths), "-o", str(tmp_path / "out"), "--network", str(folder)]
+    assert main([*words, "--json"]) == 0
+    names = [each["name"] for each in json.loads(capsys.readouterr().out)["garments"]]
+    assert len(set(names)) == 2 and names[1].endswith("-2")
+
+
+def test_nothing_of_an_earlier_picture_of_the_same_name_stays(made, tmp_path):
+    folder, _ = made
+    out = tmp_path / "out"
+    out.mkdir()
+    for suffix in (".json", ".glb"):
+        (out / f"photo{suffix}").write_text("of an earlier picture")
+    Image.new("RGB", (128, 128), "white").save(tmp_path / "photo.png")
+    words = ["predict", str(tmp_path / "photo.png"), "-o", str(out), "--network", str(folder)]
+    assert main(words) == 0
+    for suffix in (".json", ".glb"):
+        left = out / f"photo{suffix}"
+        assert not left.exists() or left.read_bytes() != b"of an earlier picture"
+
+
 def test_networks_that_cannot_be_are_told(made, tmp_path):
     folder, album = made
     with pytest.raises(LearnError, match="there is no network 'nowhere'"):
@@ -115,6 +166,12 @@ def test_networks_that_cannot_be_are_told(made, tmp_path):
     (broken / "pictures.npz").write_bytes(b"PK")
     with pytest.raises(LearnError, match=r"pictures\.npz: is damaged"):
         PatternPredictor.load(broken).predict(Photo(picture(album, 0), ()))
+    with np.load(folder / "pictures.npz") as file:
+        known = dict(file)
+    for change in ({"usual": np.float32(np.nan)}, {"usual": np.float32(-1)}, {"middle": [1.0]}):
+        np.savez(broken / "pictures.npz", **{**known, **change})
+        with pytest.raises(LearnError, match=r"pictures\.npz: is damaged"):
+            PatternPredictor.load(broken).predict(Photo(picture(album, 0), ()))
 
 
 def test_certainty_is_of_cells_that_may_be_cloth():

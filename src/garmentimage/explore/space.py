@@ -36,6 +36,8 @@ LIKE_IOU = 0.85
 
 LONGEST_CM = 1000.0
 """A cell's edge is no longer on a flat panel [cm]."""
+MOST = 1e6
+"""No number of a network's is as large."""
 FEWEST = 2
 """Garments of each type that a space knows."""
 
@@ -140,13 +142,13 @@ class LatentSpace:
         self, channels: Float32[np.ndarray, "n 34 row col"]
     ) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of images."""
-        return self._encoder.run(None, {"channels": channels.astype(np.float32)})[0]
+        return run_session(self._encoder, self.folder / ENCODER, channels)
 
     def decode_channels(
         self, z: Float32[np.ndarray, "n latent"]
     ) -> Float32[np.ndarray, "n 34 row col"]:
         """Images of latent vectors: probabilities, and vectors in cm, not repaired."""
-        return self._decoder.run(None, {"z": np.asarray(z, np.float32)})[0]
+        return run_session(self._decoder, self.folder / DECODER, z)
 
     def settled(self, z: Latent, times: int) -> Latent:
         """Where a point ends that is decoded and encoded again so many times, 0 or more.
@@ -337,21 +339,48 @@ def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = 4
     try:
-        session = onnxruntime.InferenceSession(
-            file.read_bytes(), options, providers=["CPUExecutionProvider"]
-        )
-        found = {each.name: each.shape[1:] for each in session.get_inputs()}
-        found |= {each.name: each.shape[1:] for each in session.get_outputs()}
-        wanted = {name: list(size) for name, size in sizes.items()}
-        if found.keys() != wanted.keys() or session.get_inputs()[0].name != next(iter(wanted)):
+        raw = file.read_bytes()
+        if b"location" in raw:  # the word by which weights in other files are named
             raise ValueError
-        if any(type(n) is int and n != m for k in wanted for n, m in zip(found[k], wanted[k])):
+        session = onnxruntime.InferenceSession(raw, options, providers=["CPUExecutionProvider"])
+        takes, gives = session.get_inputs(), session.get_outputs()
+        if [each.name for each in (*takes, *gives)] != list(sizes):
+            raise ValueError
+        if not all(_is_of(each, sizes[each.name]) for each in (*takes, *gives)):
             raise ValueError
         return session
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
     except Exception as error:  # onnxruntime has no base class of its own for its errors.
         raise damaged(file) from error
+
+
+def _is_of(found: Any, size: Sequence[int]) -> bool:
+    """Whether an input or output takes any number of examples of a size."""
+    count, *rest = found.shape
+    return (
+        found.type == "tensor(float)"
+        and type(count) is not int
+        and len(rest) == len(size)
+        and all(type(n) is not int or n == m for n, m in zip(rest, size))
+    )
+
+
+def run_session(session: Any, file: Path, given: np.ndarray) -> np.ndarray:
+    """What a network of one input and one output gives.
+
+    Raises:
+        LearnError: it fails, or gives what are no numbers.
+    """
+    (takes,), (gives,) = session.get_inputs(), session.get_outputs()
+    try:
+        (found,) = session.run(None, {takes.name: np.asarray(given, np.float32)})
+    except Exception as error:  # onnxruntime has no base class of its own for its errors.
+        raise damaged(file) from error
+    is_whole = found.shape[:1] == given.shape[:1] and found.ndim == len(gives.shape)
+    if not is_whole or not np.abs(found).max(initial=0) < MOST:
+        raise damaged(file)
+    return np.asarray(found)
 
 
 def damaged(file: Path) -> LearnError:

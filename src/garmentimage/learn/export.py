@@ -22,7 +22,7 @@ from garmentimage.learn.garment_vae import GarmentVAE, from_channels, to_channel
 from garmentimage.learn.pictured import Album
 from garmentimage.learn.rasters import INPUTS, Labelled
 from garmentimage.predict.network import PICTURES, PREDICTOR, distance_from, shrunk
-from garmentimage.predict.photo import Box, wearer_mask
+from garmentimage.predict.photo import Box, find_wearer
 
 OPSET = 18
 KNOWN_A_TYPE = 300
@@ -141,7 +141,7 @@ def _wearer(album: Album) -> Box:
     """Where the wearer is in most pictures."""
     boxes = []
     for pixels in _rows(album, SEEN):
-        mask = wearer_mask(pixels)
+        mask, _ = find_wearer(pixels)
         if mask is not None:
             at = np.argwhere(mask)
             boxes.append([*at.min(0), *(at.max(0) + 1)])

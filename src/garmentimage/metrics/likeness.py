@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from garmentimage.errors import PatternError, check_type
 from garmentimage.geometry.polygons import resample
 from garmentimage.metrics.intervals import Interval, interval
 from garmentimage.metrics.matching import aligned_points, loop_polygon, match_panels
@@ -44,8 +45,8 @@ class Scores:
 
     @property
     def precision(self) -> float:
-        """1 where none was found."""
-        return self.right_found / self.found if self.found else 1.0
+        """Where none was found 0, or 1 if there is none to find."""
+        return self.right_found / self.found if self.found else float(not self.true)
 
     @property
     def recall(self) -> float:
@@ -108,8 +109,16 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
         truth: what it should be.
         found: what was predicted; None, or one with panels that cannot be drawn or stitches that
             name nothing, has nothing right.
+
+    Raises:
+        PatternError: the true pattern has no panels, or stitches that name nothing.
+        TypeError: one is no pattern.
     """
-    missed = Scores(0, 0, 0, len(truth.stitches))
+    for pattern in (truth,) if found is None else (truth, found):
+        check_type(pattern, Pattern, "load_pattern(path) reads one")
+    if not truth.panels or stitch_faults(truth):
+        raise PatternError("a true pattern without panels, or with stitches that name nothing")
+    missed = Scores(0, 0, 0, max(len(truth.stitches), 1))  # one, so that nothing is right
     if (
         found is None
         or not found.panels
@@ -154,8 +163,15 @@ def likeness_summary(
 
     Returns:
         Means of every figure; of stitches precision, recall and F1 by garment, and over all
-        stitches together ("micro").
+        stitches together ("micro"). Distances and angles are of garments of which a panel was
+        found; how many is told by `n`.
+
+    Raises:
+        ValueError: there are no garments, or `draped` tells of more or fewer.
     """
+    if not found or (draped is not None and len(draped) != len(found)):
+        told_of = "" if draped is None else f", {len(draped)} of them told of draping"
+        raise ValueError(f"{len(found)} garments{told_of}; give one or more, and tell of each")
     told: dict[str, Interval | float] = {}
     rows = [each.figures() for each in found]
     for name in rows[0]:

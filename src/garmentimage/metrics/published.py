@@ -20,7 +20,8 @@ from math import atan2, hypot
 import numpy as np
 from jaxtyping import Bool, Float
 
-from garmentimage.errors import PatternError
+from garmentimage.errors import PatternError, quoted
+from garmentimage.metrics.validity import stitch_faults
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Quadratic
 
 SLOT_EDGES = 14
@@ -56,16 +57,23 @@ def slots_of(pattern: Pattern, names: Sequence[str], edges: int = SLOT_EDGES) ->
     """A pattern in slots of these names.
 
     Raises:
-        PatternError: a panel that is in no slot, has holes, or has too many edges.
+        PatternError: a panel that is in no slot, has holes, or has too many edges; a panel twice,
+            or a stitch that names nothing.
+        ValueError: a slot has two names, or none.
     """
+    if len(set(names)) != len(names) or edges < LEAST_EDGES:
+        raise ValueError(f"slots need names of their own, and {LEAST_EDGES} edges or more")
+    if faults := stitch_faults(pattern):
+        raise PatternError(faults[0])
     rows = np.zeros((len(names), edges, 4))
     rotations, translations = np.zeros((len(names), 4)), np.zeros((len(names), 3))
     for panel in pattern.panels:
         if panel.name not in names:
-            raise PatternError(f"panel {panel.name!r}: is in none of the slots")
+            raise PatternError(f"panel {quoted(panel.name)}: is in none of the slots")
         if panel.holes or len(panel.outline.edges) > edges:
             raise PatternError(
-                f"panel {panel.name!r}: has holes, or more than {edges} edges; slots have neither"
+                f"panel {quoted(panel.name)}: has holes, or more than {edges} edges; slots "
+                "have neither"
             )
         k = list(names).index(panel.name)
         rows[k, : len(panel.outline.edges)] = [
@@ -111,7 +119,12 @@ def tag_stitches(
         tags: of every edge.
         free: how likely it is sewn to none; above 0.5 it is left out.
         there: which edges are no padding.
+
+    Raises:
+        ValueError: tags that are not finite.
     """
+    if not (np.isfinite(tags).all() and np.isfinite(free).all()):
+        raise ValueError("tags of stitches that are not finite")
     from scipy.spatial.distance import cdist
 
     sides = [(int(slot), int(edge)) for slot, edge in np.argwhere(there & (free <= 0.5))]
@@ -147,7 +160,8 @@ def published_figures(
         counts.
 
     Raises:
-        ValueError: there is no such mode.
+        ValueError: there is no such mode, or the patterns are not of the same slots, as many, and
+            all true ones with panels.
     """
     units = np.ones(4) if scale is None else np.asarray(scale, float)
     modes: Mapping[str, Callable[[], dict[str, float]]] = {
@@ -157,6 +171,14 @@ def published_figures(
     }
     if mode not in modes:
         raise ValueError(f"there is no mode {mode!r}; choose {', '.join(modes)}")
+    if units.shape != (4,) or not (np.isfinite(units).all() and units.all()):
+        raise ValueError("a scale is four numbers, none of them 0")
+    if not truths or len(truths) != len(found):
+        raise ValueError(f"{len(truths)} true patterns and {len(found)} found ones; give as many")
+    if len({each.edges.shape for each in (*truths, *found)}) > 1:
+        raise ValueError("patterns are not all of the same slots")
+    if not all(max(each.counts, default=0) >= LEAST_EDGES for each in truths):
+        raise ValueError("a true pattern has no panels")
     return modes[mode]()
 
 

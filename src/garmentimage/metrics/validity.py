@@ -55,6 +55,8 @@ def panel_faults(panel: Panel) -> list[str]:
 def drawing_faults(panel: Panel) -> list[str]:
     """Why a panel cannot even be drawn: loops of too few edges, open ones, no numbers."""
     where = f"panel {panel.name!r}"
+    if not np.isfinite([*panel.rotation, *panel.translation]).all():
+        return [f"{where}: has a place that is not finite"]
     for number, loop in enumerate(panel.loops):
         what = _called(number)
         if len(loop.edges) < 2:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float, Float32, UInt8
@@ -20,12 +20,16 @@ from garmentimage.explore.space import (
     network_folder,
     open_session,
     read_config,
+    run_session,
     shipped_names,
     step_of,
 )
-from garmentimage.predict.photo import Box, Photo, framed, read_photo
+from garmentimage.predict.photo import Box, Photo, as_photo, framed
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
 from garmentimage.raster.repair import RepairLevel
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 PREDICTOR, PICTURES = "predictor.onnx", "pictures.npz"
 DEFAULT = "image-wide"
@@ -33,6 +37,8 @@ SMALL = 32
 """Pixels a side at which pictures are compared."""
 SURE = 0.5
 """A confidence below this is low."""
+USUAL = 1e-4, 1.0
+"""Least and most that pictures in training may be apart from what they have in common."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +62,8 @@ class Prediction:
 
     @property
     def is_sure(self) -> bool:
-        """Whether there is reason to trust it."""
-        return self.confidence >= SURE and not self.step.faults
+        """Whether the confidence is not low; what cannot be sewn is told by `step.faults`."""
+        return self.confidence >= SURE
 
 
 class PatternPredictor:
@@ -74,8 +80,8 @@ class PatternPredictor:
         self.folder = Path(folder)
         self.config = read_config(self.folder, ("grid", "picture"))
         try:
-            self.box = Box(**{k: float(v) for k, v in self.config["wearer"].items()})
-        except (KeyError, TypeError, ValueError, AttributeError):
+            self.box = Box(**self.config["wearer"])
+        except (KeyError, TypeError, ValueError):
             raise damaged(self.folder / "config.json") from None
 
     @classmethod
@@ -93,15 +99,22 @@ class PatternPredictor:
         return int(self.config["picture"])
 
     def predict(
-        self, picture: str | PathLike[str] | Photo, *, repair_level: RepairLevel = "full"
+        self,
+        picture: "str | PathLike[str] | UInt8[np.ndarray, 'row col 3'] | Image | Photo",
+        *,
+        repair_level: RepairLevel = "full",
     ) -> Prediction:
         """The pattern of the garment in a picture.
 
+        Args:
+            picture: a file, 8-bit RGB pixels with the highest row first, or an image of Pillow's.
+            repair_level: of what the network gives.
+
         Raises:
-            LearnError: the file is no picture that will do.
+            LearnError: it is no picture that will do.
+            TypeError: it is of another type, or the pixels are.
         """
-        photo = picture if isinstance(picture, Photo) else read_photo(picture)
-        seen = framed(photo, self.box, self.size)
+        seen = framed(as_photo(picture), self.box, self.size)
         channels = self.channels(seen.pixels[None])[0]
         step = step_of(np.zeros(0, np.float32), channels, repair_level)
         return Prediction(seen, channels, step, certainty(channels) * self.likeness(seen.pixels))
@@ -112,7 +125,7 @@ class PatternPredictor:
         """Images of pictures that are framed already."""
         upward = pixels[:, ::-1].transpose(0, 3, 1, 2)
         seen = np.ascontiguousarray(upward, np.float32) / 255
-        return np.asarray(self._network.run(None, {"picture": seen})[0], np.float32)
+        return run_session(self._network, self.folder / PREDICTOR, seen)
 
     def likeness(self, pixels: UInt8[np.ndarray, "row col 3"]) -> float:
         """How like those that it was trained on a picture is, from 0 to 1."""
@@ -130,9 +143,19 @@ class PatternPredictor:
     def _pictures(self) -> dict[str, np.ndarray]:
         try:
             with np.load(self.folder / PICTURES, allow_pickle=False) as file:
-                return {name: file[name].astype(float) for name in ("middle", "axes", "usual")}
-        except (OSError, ValueError, KeyError, EOFError) as error:
+                known = {name: file[name].astype(float) for name in ("middle", "axes", "usual")}
+        except Exception as error:  # zipfile, zlib and numpy each have their own.
             raise damaged(self.folder / PICTURES) from error
+        numbers = 3 * SMALL**2
+        if (
+            known["middle"].shape != (numbers,)
+            or known["axes"].shape[1:] != (numbers,)
+            or known["usual"].shape != ()
+            or not all(np.isfinite(each).all() for each in known.values())
+            or not USUAL[0] <= known["usual"] <= USUAL[1]
+        ):
+            raise damaged(self.folder / PICTURES)
+        return known
 
 
 def certainty(channels: Float32[np.ndarray, "34 row col"]) -> float:

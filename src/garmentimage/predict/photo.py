@@ -5,8 +5,10 @@ with a plain background is brought to that: what differs from the colour of its 
 the wearer, scaled to the height of the box and put over its middle.
 """
 
+import warnings
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,16 +17,30 @@ from jaxtyping import Bool, UInt8
 from garmentimage.errors import LearnError
 from garmentimage.files import shown_path
 
+FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
+TWIN = "MPO"
+"""What some phones save as JPEG, with a second picture for depth."""
 PIXEL_LIMIT = 50_000_000
 SMALLEST = 32
 """Fewer pixels a side show no garment."""
+LARGEST = 2048
+"""More pixels a side are made fewer."""
+THINNEST = 8
+"""The most that a picture may be longer than wide."""
 PLAIN = 24.0
 """How far from the colour of the border, of 255, a pixel is the wearer's."""
 BORDER_SHARE = 0.8
 """A background is plain where this share of the border has one colour."""
+SPECK = 0.02
+"""What is lower than this share of the picture is no wearer."""
+FURTHER = 0.3
+"""A further figure of this share of the largest one's pixels is no speck either."""
 PLACE_TOLERANCE = 0.02
 """A wearer that is in place within this share of the picture's side stays as it is."""
 WHITE = 255
+RESTLESS = "has no plain background, so its wearer could not be found; expect little"
+EMPTY = "shows nothing before its background"
+CROWDED = "shows more than one figure; the largest was taken"
 
 
 @dataclass(frozen=True)
@@ -35,6 +51,14 @@ class Box:
     bottom: float
     left: float
     right: float
+
+    def __post_init__(self) -> None:
+        sides = (self.top, self.bottom), (self.left, self.right)
+        numbers = [value for side in sides for value in side]
+        if not all(type(value) is float for value in numbers) or not all(
+            low >= 0 and low + SPECK <= high <= 1 for low, high in sides
+        ):
+            raise ValueError(f"a box from {sides[0]} to {sides[1]}; give shares of the picture")
 
 
 @dataclass(frozen=True)
@@ -47,7 +71,7 @@ class Photo:
 
 
 def read_photo(path: str | PathLike[str]) -> Photo:
-    """A picture file, upright, as 8-bit sRGB on white.
+    """A picture file, upright, as 8-bit sRGB on white, no larger than `LARGEST` a side.
 
     Raises:
         LearnError: the file is no picture, is animated, or has too many or too few pixels.
@@ -55,33 +79,85 @@ def read_photo(path: str | PathLike[str]) -> Photo:
     from PIL import Image
 
     name = shown_path(path)
+    if Path(path).exists() and not (Path(path).is_file() or Path(path).is_dir()):
+        raise LearnError(f"{name}: is no ordinary file; name a picture file")
+    is_open = False
     try:
-        with Image.open(path) as image:
-            if image.width * image.height > PIXEL_LIMIT:
-                raise Image.DecompressionBombError
-            frames = getattr(image, "n_frames", 1)
-            if frames > 1:
-                raise LearnError(f"{name}: is animated, {frames} pictures; save one of them")
-            if min(image.size) < SMALLEST:
-                raise LearnError(
-                    f"{name}: has {image.width} x {image.height} pixels; give {SMALLEST} a side "
-                    "or more"
-                )
+        # What Pillow warns of are sizes, which are looked at here, and torn notes of cameras.
+        with warnings.catch_warnings(action="ignore"), Image.open(path, formats=FORMATS) as image:
+            is_open = True
+            _check_size(image, name)
             image.load()
             return _plain(image)
     except LearnError:
         raise
     except Image.DecompressionBombError:
-        raise LearnError(
-            f"{name}: has too many pixels; make it smaller than {PIXEL_LIMIT // 1_000_000} million"
-        ) from None
-    except (OSError, ValueError, SyntaxError, EOFError) as error:
+        raise _too_many(name) from None
+    except Exception as error:  # Decoders of six formats have no base class for their errors.
+        if is_open:
+            raise LearnError(f"{name}: is damaged or cut short; get it again") from None
         reason = getattr(error, "strerror", None)
         if reason:
             raise LearnError(f"{name}: cannot be read ({reason}); name a picture file") from None
         raise LearnError(
             f"{name}: is no picture that can be read; save it as PNG or JPEG"
         ) from None
+
+
+def as_photo(picture: object) -> Photo:
+    """A picture of any sort as a photo: a path, 8-bit RGB pixels, or an image of Pillow's.
+
+    Args:
+        picture: an array has shape [row, column, 3], the highest row first.
+
+    Raises:
+        LearnError: see `read_photo`.
+        TypeError: it is none of these.
+    """
+    from PIL import Image
+
+    if isinstance(picture, str | PathLike):
+        return read_photo(picture)
+    if isinstance(picture, Image.Image):
+        _check_size(picture, "the picture")
+        return _plain(picture)
+    photo = Photo(picture, ()) if isinstance(picture, np.ndarray) else picture
+    pixels = photo.pixels if isinstance(photo, Photo) else None
+    if not isinstance(photo, Photo) or not isinstance(pixels, np.ndarray):
+        raise TypeError(
+            f"wanted a path, pixels or an image, not a value of type {type(picture).__name__}"
+        )
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3:
+        raise TypeError(
+            f"wanted 8-bit pixels of shape [row, column, 3], not {pixels.dtype} "
+            f"{list(pixels.shape)}; PIL.Image.fromarray(...).convert('RGB') makes them of others"
+        )
+    image = Image.fromarray(pixels)
+    _check_size(image, "the picture")
+    return Photo(_plain(image).pixels, photo.notes)
+
+
+def _check_size(image: Any, name: str) -> None:
+    if image.width * image.height > PIXEL_LIMIT:
+        raise _too_many(name)
+    frames = getattr(image, "n_frames", 1)
+    if frames > 1 and image.format != TWIN:
+        raise LearnError(f"{name}: is animated, {frames} pictures; save one of them")
+    if min(image.size) < SMALLEST:
+        raise LearnError(
+            f"{name}: has {image.width} x {image.height} pixels; give {SMALLEST} a side or more"
+        )
+    if max(image.size) > THINNEST * min(image.size):
+        raise LearnError(
+            f"{name}: has {image.width} x {image.height} pixels, too thin to show someone; cut it "
+            "to what it should show"
+        )
+
+
+def _too_many(name: str) -> LearnError:
+    return LearnError(
+        f"{name}: has too many pixels; make it smaller than {PIXEL_LIMIT // 1_000_000} million"
+    )
 
 
 def _plain(image: Any) -> Photo:
@@ -91,7 +167,7 @@ def _plain(image: Any) -> Photo:
     image = ImageOps.exif_transpose(image)
     if image.mode in ("I", "F") or image.mode.startswith("I;16"):
         notes.append("has more than 8 bits a colour; its range was brought to 8")
-        levels = np.asarray(image, float)
+        levels = np.nan_to_num(np.asarray(image, float))
         low, high = float(levels.min()), max(float(levels.max()), float(levels.min()) + 1)
         image = Image.fromarray(((levels - low) / (high - low) * WHITE).astype(np.uint8))
     if image.mode == "CMYK":
@@ -99,7 +175,9 @@ def _plain(image: Any) -> Photo:
     if image.has_transparency_data:
         clear = image.convert("RGBA")
         image = Image.alpha_composite(Image.new("RGBA", clear.size, "white"), clear)
-    return Photo(np.asarray(image.convert("RGB")), tuple(notes))
+    image = image.convert("RGB")
+    image.thumbnail((LARGEST, LARGEST), Image.Resampling.BOX)
+    return Photo(np.asarray(image), tuple(notes))
 
 
 def framed(photo: Photo, box: Box, size: int) -> Photo:
@@ -114,41 +192,48 @@ def framed(photo: Photo, box: Box, size: int) -> Photo:
         The picture; its notes say where nothing could be done.
     """
     rows, cols = photo.pixels.shape[:2]
-    wearer = wearer_mask(photo.pixels)
-    notes = list(photo.notes)
+    wearer, note = find_wearer(photo.pixels)
+    notes = (*photo.notes, note) if note else photo.notes
     if wearer is None:
-        notes.append("has no plain background, so its wearer could not be found; expect little")
-        return Photo(_resized(_squared(photo.pixels), size), tuple(notes))
+        return Photo(_resized(_squared(photo.pixels), size), notes)
     at = np.argwhere(wearer)
     (top, left), (bottom, right) = at.min(0), at.max(0) + 1
     cleared = np.where(wearer[..., None], photo.pixels, WHITE).astype(np.uint8)
     here = np.array([top / rows, bottom / rows, left / cols, right / cols])
     there = np.array([box.top, box.bottom, box.left, box.right])
     if rows == cols and np.abs(here - there).max() < PLACE_TOLERANCE:
-        return Photo(_resized(cleared, size), tuple(notes))
+        return Photo(_resized(cleared, size), notes)
     # The square around the wearer that looks as the networks' pictures do.
     side = (bottom - top) / (box.bottom - box.top)
     first_row = top - box.top * side
     first_col = (left + right) / 2 - (box.left + box.right) / 2 * side
-    return Photo(_cut(cleared, first_row, first_col, side, size), tuple(notes))
+    return Photo(_cut(cleared, first_row, first_col, side, size), notes)
 
 
-def wearer_mask(pixels: UInt8[np.ndarray, "row col 3"]) -> Bool[np.ndarray, "row col"] | None:
-    """What is not background; None where that is not plain, or nothing is before it."""
+def find_wearer(
+    pixels: UInt8[np.ndarray, "row col 3"],
+) -> tuple[Bool[np.ndarray, "row col"] | None, str]:
+    """What is not background, and what should be known of that.
+
+    Returns:
+        Where the wearer is, None where the background is not plain or nothing is before it; and a
+        note, empty where all is well.
+    """
     from scipy import ndimage
 
     border = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]]).astype(float)
     colour = np.median(border, axis=0)
     if (np.abs(border - colour).max(1) < PLAIN).mean() < BORDER_SHARE:
-        return None
+        return None, RESTLESS
     other = np.abs(pixels.astype(float) - colour).max(2) >= PLAIN
-    parts, count = ndimage.label(other, np.ones((3, 3)))
-    if not count:
-        return None
-    sizes = np.bincount(parts.ravel())
+    parts, _ = ndimage.label(other, np.ones((3, 3)))
+    sizes = np.bincount(parts.ravel(), minlength=2)
     sizes[0] = 0
     filled: np.ndarray = ndimage.binary_fill_holes(parts == sizes.argmax())
-    return filled
+    if not sizes.any() or np.ptp(np.flatnonzero(filled.any(1))) < SPECK * len(pixels):
+        return None, EMPTY
+    is_crowded = np.sort(sizes)[-2] > FURTHER * sizes.max()
+    return filled, CROWDED if is_crowded else ""
 
 
 def _squared(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "side side 3"]:
