@@ -115,19 +115,17 @@ def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
 
 def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
     from garmentimage.drape.export import worn_bytes
-    from garmentimage.explore.strip import Shown, shown, strip
+    from garmentimage.explore.strip import strip
     from garmentimage.pattern.spec import pattern_text
     from garmentimage.raster.files import image_bytes
     from garmentimage.render.png import png_bytes
+    from garmentimage.text.way import way
 
-    before, after = shown("as given", found.given), shown(f"edited: {text}"[:40], found.result)
-    way = [
-        Shown(f"step {each.number}", each.step, None, each.step.faults, each.picture)
-        for each in found.frames
-    ]
+    columns = way(found, text)
+    before, after = columns[0], columns[-1]
     path = options.out / "edited"
     results: dict[str | PathLike[str], bytes | str] = {
-        options.out / "strip.png": png_bytes(strip([before, *way, after]))
+        options.out / "strip.png": png_bytes(strip(columns))
     }
     if found.result.image is not None:
         results[path.with_suffix(".npz")] = image_bytes(found.result.image)
