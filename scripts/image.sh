@@ -17,11 +17,11 @@ train() { # name, network, epochs, further words
 for recipe in d2 d1; do
     "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
     train cascade-0 cascade 24
-    train panel-transformer panel-transformer 8 --rate 0.0005 --batch 32
-    train panel-recurrent panel-recurrent 18 --rate 0.004
-    train panel-pool panel-pool 30
-    if [ "$recipe" = d2 ]; then # further seeds, and the ablations with a third of the training
+    if [ "$recipe" = d2 ]; then # further seeds, baselines, ablations with a third of the training
         for seed in 1 2; do train "cascade-$seed" cascade 24 --seed "$seed"; done
+        train panel-transformer panel-transformer 8 --rate 0.0005 --batch 32
+        train panel-recurrent panel-recurrent 18 --rate 0.004
+        train panel-pool panel-pool 30
         train short cascade 8
         for part in losses noise weights mirror dropout all; do
             train "short-without-$part" cascade 8 --as-paper "$part"
