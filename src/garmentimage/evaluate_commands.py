@@ -277,7 +277,7 @@ def _facts(guessers: Sequence["Guesser"]) -> list[dict[str, Any]]:
 def _draw_guesses(
     folder: Path, guessers: Sequence["Guesser"], data: str, held_out: str, amounts: "image.Amounts"
 ) -> None:
-    """The first garments of each split, as they were drawn for measuring."""
+    """The first garments of each split that are measured; of each kind, one guesses."""
     from garmentimage.evaluate.figure import guesses_picture
     from garmentimage.evaluate.guesses import GIVEN
     from garmentimage.evaluate.image import CALLED, garments, has_unseen, order_of
@@ -286,7 +286,7 @@ def _draw_guesses(
     chosen: dict[str, Guesser] = {}
     for guesser in guessers:
         if guesser.level == "full" and guesser.kind not in (*GIVEN, "random"):
-            chosen.setdefault(guesser.name, guesser)
+            chosen.setdefault(guesser.kind, guesser)
     for split, name in CALLED.items():
         if split == "unseen" and not has_unseen(data, held_out):
             continue
