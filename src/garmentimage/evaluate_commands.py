@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -277,7 +278,7 @@ def _facts(guessers: Sequence["Guesser"]) -> list[dict[str, Any]]:
 def _draw_guesses(
     folder: Path, guessers: Sequence["Guesser"], data: str, held_out: str, amounts: "image.Amounts"
 ) -> None:
-    """The first garments of each split that are measured; of each kind, one guesses."""
+    """Some of what is measured, of each split and of all types; one cascade guesses."""
     from garmentimage.evaluate.figure import guesses_picture
     from garmentimage.evaluate.guesses import GIVEN
     from garmentimage.evaluate.image import CALLED, garments, has_unseen, order_of
@@ -286,12 +287,20 @@ def _draw_guesses(
     chosen: dict[str, Guesser] = {}
     for guesser in guessers:
         if guesser.level == "full" and guesser.kind not in (*GIVEN, "random"):
-            chosen.setdefault(guesser.kind, guesser)
+            key = guesser.kind if guesser.kind == "cascade" else guesser.name
+            chosen.setdefault(key, guesser)
     for split, name in CALLED.items():
         if split == "unseen" and not has_unseen(data, held_out):
             continue
         album, _ = garments(data, split, held_out)
-        numbers = order_of(album)[: min(SHOWN, amounts.of(split))]
+        measured = order_of(album)[: amounts.of(split)]
+        # Types in turn: of each the first, then of each the second, and so on.
+        seen: Counter[str] = Counter()
+        turns = []
+        for number in measured:
+            turns.append((seen[album.types[number]], number))
+            seen[album.types[number]] += 1
+        numbers = [number for _, number in sorted(turns, key=lambda turn: turn[0])[:SHOWN]]
         if numbers:
             drawn = guesses_picture(list(chosen.values()), data, held_out, album, numbers)
             write_atomically(folder / f"{name}.png", png_bytes(drawn))
