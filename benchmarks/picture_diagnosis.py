@@ -1,0 +1,141 @@
+"""Why garments of unseen types come out wrong: by their parameters, and by colour.
+
+    python benchmarks/picture_diagnosis.py parameters data/d2 runs/image-d2 [--out FILE.json]
+    python benchmarks/picture_diagnosis.py colour data/d1 runs/d1-cascade-0/model [--out FILE.json]
+
+`parameters` reads the records that `garmentimage evaluate image` left, predicts nothing, and tells
+the figures of the cascade by fifths of each parameter of the unseen garments. `colour` paints
+dresses of the validation split, whole or below the waist, as bottoms of the recipe are, and counts
+the panels that the network finds then.
+"""
+
+import argparse
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import UInt8
+from PIL import ImageColor
+from provenance import provenance
+
+import garmentimage as gi
+from garmentimage.dataset.read import tables
+from garmentimage.dataset.recipe import recipe
+from garmentimage.dataset.sheet import dataset_hash, summary_of
+from garmentimage.learn.pictured import read_album
+
+FIFTHS = np.linspace(0, 1, 6)
+DRESS, DRESSES = "one-panel dress", 60
+WAIST = 0.44
+"""Where the waist is, as a share of the picture from its top."""
+BLUER = 15
+"""Cloth is bluer than red by more than this, of 255; skin and background are not."""
+BRIGHT = 230.0
+"""Blue of that cloth in the light."""
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("what", choices=("parameters", "colour"))
+    parser.add_argument("data", type=Path)
+    parser.add_argument("found", type=Path, help="folder of records; of a network")
+    parser.add_argument("--out", type=Path)
+    args = parser.parse_args()
+    told = by_parameter if args.what == "parameters" else by_colour
+    result = {
+        **provenance([]),
+        "data_sha256": dataset_hash(args.data),
+        **told(args.data, args.found),
+    }
+    print(json.dumps(result, indent=1))
+    if args.out:
+        args.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    return 0
+
+
+def by_parameter(data: Path, records: Path) -> dict[str, Any]:
+    """Panel IoU and exact topology, means over seeds, by fifths of each parameter."""
+    rows: dict[int, list[dict[str, Any]]] = {}
+    name = summary_of(data)["recipe"]  # other records are of other repairs
+    for file in sorted(records.glob(f"unseen-cascade-{name}-cascade-[0-9].jsonl")):
+        for line in file.read_text(encoding="utf-8").splitlines():
+            record = json.loads(line)
+            if "lost" not in record:
+                rows.setdefault(record["number"], []).append(record)
+    given = [
+        json.loads(text)
+        for table in tables(data, "unseen", ["parameters"])
+        for text in table["parameters"].to_pylist()
+    ]
+    numbers = sorted(rows)
+    iou, topology = (
+        np.array([np.mean([record[key] for record in rows[n]]) for n in numbers])
+        for key in ("panel_iou", "topology")
+    )
+    fifths: dict[str, list[dict[str, float]]] = {}
+    for name in given[numbers[0]]:
+        values = [given[n][name] for n in numbers]
+        if not all(isinstance(value, float) for value in values) or len(set(values)) < len(FIFTHS):
+            continue
+        ends = np.quantile(values, FIFTHS)
+        which = np.clip(np.searchsorted(ends, values, side="right") - 1, 0, len(FIFTHS) - 2)
+        fifths[name] = [
+            {
+                "from": round(float(ends[k]), 3),
+                "to": round(float(ends[k + 1]), 3),
+                "panel_iou": round(float(iou[which == k].mean()), 4),
+                "topology": round(float(topology[which == k].mean()), 4),
+            }
+            for k in range(len(FIFTHS) - 1)
+        ]
+    is_exact = topology == 1
+    return {
+        "garments": len(numbers),
+        "seams right with all seeds": round(float(is_exact.mean()), 4),
+        "panel IoU of these": round(float(iou[is_exact].mean()), 4),
+        "panel IoU of the others": round(float(iou[~is_exact].mean()), 4),
+        "fifths": fifths,
+    }
+
+
+def by_colour(data: Path, network: Path) -> dict[str, Any]:
+    """How many dresses come back as how many panels, painted and as they are."""
+    bottom = np.array(ImageColor.getrgb(recipe(summary_of(data)["recipe"]).colours["bottom"]))
+    predictor = gi.PatternPredictor.load(network)
+    album = read_album(data, "validation")
+    dresses = [k for k, name in enumerate(album.types) if name == DRESS][:DRESSES]
+    counts: dict[str, Counter[int]] = {}
+    for number in dresses:
+        upward = album.garments.pictures[number].numpy()
+        plain = np.ascontiguousarray(upward[:, ::-1].transpose(1, 2, 0))
+        waist = round(WAIST * len(plain))
+        for name, pixels in (
+            ("as they are", plain),
+            ("painted below the waist", painted(plain, bottom, waist)),
+            ("painted", painted(plain, bottom, 0)),
+        ):
+            pattern = predictor.predict(pixels).step.pattern
+            panels = len(pattern.panels) if pattern else 0
+            counts.setdefault(name, Counter())[panels] += 1
+    return {
+        "dresses": len(dresses),
+        "by panels": {name: dict(sorted(found.items())) for name, found in counts.items()},
+    }
+
+
+def painted(
+    pixels: UInt8[np.ndarray, "row col 3"], colour: np.ndarray, first_row: int
+) -> UInt8[np.ndarray, "row col 3"]:
+    """The same cloth in another colour, from a row down."""
+    values = pixels.astype(float)
+    cloth = values[..., 2] - values[..., 0] > BLUER
+    cloth[:first_row] = False
+    light = values[..., 2:] / BRIGHT
+    return np.where(cloth[..., None], colour * light, values).clip(0, 255).astype(np.uint8)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
