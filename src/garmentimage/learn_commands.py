@@ -115,7 +115,7 @@ def run_train(options: argparse.Namespace) -> Exit:
         )
     told = _told(options, settings, trained.log, len(what.known))
     of_data = {"recipe": told["recipe"], "seed": told["seed of the data"]}
-    text = card(f"{what.title}, {told['recipe']}", what.what, told, trained.log[-1])
+    text = card(f"{what.title}, {told['recipe']}", what.what, what.use, told, trained.log[-1])
     what.keep(trained.model, of_data, text, options.out / MODEL)
     return _say(options, told, trained.log[-1])
 

@@ -4,12 +4,15 @@ from collections.abc import Mapping
 from typing import Any
 
 
-def card(name: str, what: str, facts: Mapping[str, Any], last: Mapping[str, float]) -> str:
+def card(
+    name: str, what: str, use: str, facts: Mapping[str, Any], last: Mapping[str, float]
+) -> str:
     """README.md of a network, with the metadata that the Hugging Face Hub reads.
 
     Args:
         name: of the network.
         what: a sentence on what it does.
+        use: which of its files are for what, and how.
         facts: recipe, data, commit, seed and the like.
         last: the last line of its log.
     """
@@ -32,8 +35,7 @@ tags: [sewing patterns, garments]
 |---|---|
 {_rows({key.removeprefix("held-out "): f"{value:.5f}" for key, value in losses.items()})}
 
-`model.safetensors` is for training on (`from_pretrained`), the two `.onnx` files for use without
-torch: `garmentimage interpolate A.json B.json --space FOLDER -o out`. Weights are 16-bit floats.
+{use}
 """
 
 

@@ -16,6 +16,9 @@ from garmentimage.learn.export import CARD, WEIGHTS, export, export_cascade, hal
 from garmentimage.learn.train import Examples
 from garmentimage.provenance import weights_hash
 
+FOR_TRAINING = "`model.safetensors` is for training on (`from_pretrained`)"
+FOR_USE = "Weights are 16-bit floats:"
+
 
 @dataclass(frozen=True)
 class Wanted:
@@ -43,6 +46,8 @@ class Lesson:
     title: str
     what: str
     """A sentence for its card."""
+    use: str
+    """Another: which of its files are for what."""
     config: Any
     make: Callable[[], nn.Module]
     """The network, from the seed that is set."""
@@ -66,6 +71,8 @@ def vae_lesson(wanted: Wanted) -> Lesson:
         "A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its encoder "
         f"one linear map: front and back of {config.grid} x {config.grid} cells to "
         f"{config.latent} numbers and back.",
+        f"{FOR_TRAINING}, the two `.onnx` files for use without torch: `garmentimage interpolate "
+        "A.json B.json --space FOLDER -o out`. Their weights are 16-bit floats.",
         config,
         lambda: _channels_last(GarmentVAE(config)),
         known.rasters,
@@ -90,6 +97,7 @@ def vector_vae_lesson(wanted: Wanted) -> Lesson:
     return Lesson(
         "Vector VAE",
         "The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors.",
+        f"{FOR_TRAINING}, and for `garmentimage evaluate explore --vectors FOLDER`.",
         config,
         lambda: VectorVAE(config),
         vectors(known, words),
@@ -117,6 +125,8 @@ def cascade_lesson(wanted: Wanted) -> Lesson:
         "Three U-Nets that turn the picture of a worn garment into a GarmentImage, as in Section "
         f"4.3 of the paper: {config.picture} x {config.picture} pixels to front and back of "
         f"{config.grid} x {config.grid} cells.",
+        "`predictor.onnx` is for use without torch: `garmentimage predict PICTURE --network FOLDER "
+        f"-o out`. Its weights are 16-bit floats. {FOR_TRAINING}, where it is beside it.",
         config,
         lambda: _channels_last(Cascade(config)),
         known.garments,
@@ -167,6 +177,7 @@ def slot_lesson(wanted: Wanted, name: str) -> Lesson:
     return Lesson(
         kind.title,
         f"{kind.what}, with a {seen_by}: a baseline of the paper's Section 4.3.",
+        f"{FOR_TRAINING}, and for `garmentimage evaluate image --network NAME=RUN`.",
         config,
         make,
         known,
@@ -192,6 +203,7 @@ def image_decoder_lesson(wanted: Wanted) -> Lesson:
         "Latent vectors to pictures",
         f"{config.latent} numbers of a GarmentImage VAE to a picture of the worn garment, "
         f"{config.picture} x {config.picture} pixels, as in Section 4.2 of the paper.",
+        f"{FOR_USE} `garmentimage edit PATTERN TEXT --pictures FOLDER -o out`.",
         config,
         lambda: _channels_last(ImageDecoder(config)),
         known,
@@ -212,6 +224,7 @@ def denoiser_lesson(wanted: Wanted) -> Lesson:
         "Denoiser",
         f"A diffusion model of pictures of worn garments, {config.picture} x {config.picture} "
         "pixels, told what they show by a sentence vector of all-MiniLM-L6-v2.",
+        f"{FOR_USE} `garmentimage edit PATTERN TEXT --model FOLDER -o out`.",
         config,
         lambda: _channels_last(Denoiser(config)),
         known,
