@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 BASELINES = ("panel-transformer", "panel-recurrent", "panel-pool")
 NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES, "image-decoder", "denoiser")
-DEPARTURES, EVERYTHING = ("losses", "noise", "weights", "mirror", "dropout"), "all"
+DEPARTURES = "losses", "noise", "weights", "mirror", "dropout", "recombine"
+EVERYTHING = "all"
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
 ONLY_OF = {

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import torch
 from huggingface_hub import PyTorchModelHubMixin
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -24,6 +24,7 @@ from garmentimage.learn.rasters import (
     mirrored_types,
     mirrored_vectors,
 )
+from garmentimage.learn.recombine import recoloured, recombined, repainted
 from garmentimage.learn.unet import UNet, folded
 from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
@@ -49,6 +50,9 @@ class CascadeConfig:
     """Share of channels that are left out when flags and edge types are taught."""
     recolour: bool = False
     """Half of the pictures are shown in other colours: for pictures that are not of the recipe."""
+    recombine: float = 0.5
+    """Share of garments that are shown with the upper or the lower half of another, where one fits
+    (`recombined`)."""
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
 
@@ -59,15 +63,16 @@ class CascadeConfig:
 
 SURE = 20.0
 """Logit of what is certain."""
-DARKER = 0.9
-"""Colours shown anew are the old ones to the power of 1 / e^DARKER to e^DARKER."""
-PAPER = CascadeConfig(squares=True, noise=0.0, boundary_weight=1.0, mirror=False, dropout=0.0)
+PAPER = CascadeConfig(
+    squares=True, noise=0.0, boundary_weight=1.0, mirror=False, dropout=0.0, recombine=0.0
+)
 DEPARTURES = {
     "losses": ("squares",),
     "noise": ("noise",),
     "weights": ("boundary_weight",),
     "mirror": ("mirror",),
     "dropout": ("dropout",),
+    "recombine": ("recombine",),
 }
 """What of ours may be left out, and the settings that are then as in the paper."""
 
@@ -88,7 +93,11 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         config = self.config
         if config.mirror and self.training:
             batch = batch.mirrored(torch.rand(len(batch), device=batch.pictures.device) < 0.5)
-        seen, truth = batch.seen(), batch.rasters
+        if config.recombine and self.training:
+            batch, new = recombined(batch, config.recombine)
+            seen, truth = repainted(batch.seen(), new), batch.rasters
+        else:
+            seen, truth = batch.seen(), batch.rasters
         if config.recolour and self.training:
             seen = recoloured(seen, torch.rand(len(seen), device=seen.device) < 0.5)
         picture = folded(seen)
@@ -181,19 +190,6 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
             functional.smooth_l1_loss(apart, torch.zeros_like(apart), beta=0.01, reduction="sum")
             / known.sum()
         )
-
-
-def recoloured(
-    seen: Float[Tensor, "n 3 pixel_row pixel_col"], which: Bool[Tensor, " n"]
-) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
-    """Pictures, some of them with red, green and blue exchanged, and each lighter or darker.
-
-    Black and white stay as they are.
-    """
-    order = torch.rand(len(seen), 3, device=seen.device).argsort(1)[:, :, None, None]
-    power = (2 * torch.rand(order.shape, device=seen.device) - 1) * DARKER
-    other = seen.gather(1, order.expand_as(seen)).clamp(min=1e-4) ** power.exp()
-    return torch.where(which[:, None, None, None], other, seen)
 
 
 def _joined(inside: Tensor | None, types: Tensor | None) -> list[Tensor]:

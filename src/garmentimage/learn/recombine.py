@@ -1,0 +1,129 @@
+"""New garments from two of a batch: one above the waist, another below, sewn to each other.
+
+All GarmentImages stand on one grid, and all pictures of a recipe on one body, so both can be cut
+along the body's waist. Where one garment has a waist seam and another is as many cells wide there,
+the upper half of either, sewn to the lower half of the other, is a garment again: the bodice of a
+dress above the legs of a top with trousers. Networks that are taught with such garments do not take
+it for granted that parts go together only as they did in training. (Not in the paper.)
+"""
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from garmentimage.learn.pictured import Pictured
+from garmentimage.learn.rasters import LAYERS
+from garmentimage.raster.image import EdgeType
+
+WAIST = 0.615
+"""Where the waist is in pictures of the recipes, as a share of their height from below."""
+LINES = 0.5, 0.5625
+"""Grid lines that waist seams are on, as shares of the grid's height from below."""
+LEAST_CELLS = 2
+"""In each layer, at the waist."""
+DARKER = 0.9
+"""Colours shown anew are the old ones to the power of 1 / e^DARKER to e^DARKER."""
+
+
+def recombined(batch: Pictured, share: float) -> tuple[Pictured, Bool[Tensor, " n"]]:
+    """A batch in which some garments have the upper or the lower half of another.
+
+    Args:
+        batch: garments with their pictures.
+        share: of the garments that get another half, where there is one that fits.
+
+    Returns:
+        The batch, and which of them are new.
+    """
+    count, grid = len(batch), batch.inside.shape[-1]
+    device = batch.inside.device
+    chosen = torch.rand(count, device=device) < share
+    takes_upper = torch.rand(count, device=device) < 0.5
+    lines = [round(share * grid) for share in LINES]
+    sewn = torch.stack([_is_sewn(batch, line) for line in lines])
+    alike = torch.stack([_fitting(batch, line, takes_upper) for line in lines])
+    # One that is sewn at another line would keep that seam beside the new one.
+    takes = ~(sewn.sum(0) > sewn)
+    other = ~torch.eye(count, dtype=torch.bool, device=device)
+    fit = alike & sewn[:, None] & takes[:, :, None] & other  # line, taker, giver
+    likely = torch.rand(fit.shape, device=device) * fit
+    best, which = likely.permute(1, 0, 2).flatten(1).max(1)
+    new = chosen & (best > 0)
+    giver = which % count
+    line = torch.tensor(lines, device=device)[which // count]
+    return _joined(batch, giver, line, takes_upper, new), new
+
+
+def _is_sewn(batch: Pictured, line: int) -> Bool[Tensor, " n"]:
+    """Which garments have a seam along a whole line of the grid, in front and behind."""
+    above, below = (_cells(batch, row) for row in (line, line - 1))
+    seam = (batch.types[:, ::2, line] == EdgeType.SIDE_BY_SIDE).flatten(1)
+    wide = (above.unflatten(1, (LAYERS, -1)).sum(2) >= LEAST_CELLS).all(1)
+    return (above == below).all(1) & (seam == above).all(1) & wide
+
+
+def _fitting(
+    batch: Pictured, line: int, takes_upper: Bool[Tensor, " n"]
+) -> Bool[Tensor, "taker giver"]:
+    """Whether what a garment keeps is as wide at a line as another that is sewn there."""
+    above, below = (_cells(batch, row) for row in (line, line - 1))
+    stays = torch.where(takes_upper[:, None], below, above)
+    return (stays[:, None] == above[None]).all(2)
+
+
+def _cells(batch: Pictured, row: int) -> Bool[Tensor, "n column"]:
+    """Cells with cloth in a row of the grid, front, then back."""
+    return (batch.inside[:, :, row] > 0).flatten(1)
+
+
+def _joined(
+    batch: Pictured,
+    giver: Int[Tensor, " n"],
+    line: Int[Tensor, " n"],
+    takes_upper: Bool[Tensor, " n"],
+    new: Bool[Tensor, " n"],
+) -> Pictured:
+    grid, pixels = batch.inside.shape[-1], batch.pictures.shape[-1]
+    given = batch.batch(giver)
+    rows = torch.arange(grid, device=line.device)
+    is_upper = rows >= line[:, None]
+    taken = (is_upper == takes_upper[:, None])[:, None, :, None]
+    seen = torch.arange(pixels, device=line.device) >= round(WAIST * pixels)
+    shown = (seen[None] == takes_upper[:, None])[:, None, :, None]
+    # The bottom edges of the row above the line are the seam: always of the giver.
+    seam = (rows == line[:, None])[:, None, :, None]
+    bottom = torch.arange(2 * LAYERS, device=line.device)[:, None, None] % 2 == 0
+    one = new[:, None, None, None]
+    return Pictured(
+        torch.where(one & shown, given.pictures, batch.pictures),
+        torch.where(one & taken, given.inside, batch.inside),
+        torch.where(one & (taken | (seam & bottom)), given.types, batch.types),
+        torch.where(one & taken, given.vectors, batch.vectors),
+    )
+
+
+def recoloured(
+    seen: Float[Tensor, "n 3 pixel_row pixel_col"], which: Bool[Tensor, " n"]
+) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
+    """Pictures, some of them with red, green and blue exchanged, and each lighter or darker.
+
+    Black and white stay as they are.
+    """
+    order = torch.rand(len(seen), 3, device=seen.device).argsort(1)[:, :, None, None]
+    power = (2 * torch.rand(order.shape, device=seen.device) - 1) * DARKER
+    other = seen.gather(1, order.expand_as(seen)).clamp(min=1e-4) ** power.exp()
+    return torch.where(which[:, None, None, None], other, seen)
+
+
+def repainted(
+    seen: Float[Tensor, "n 3 pixel_row pixel_col"], new: Bool[Tensor, " n"]
+) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
+    """Pictures of which each half of some, above and below the waist, may have other colours.
+
+    Else colours would tell which halves were joined.
+    """
+    line = round(WAIST * seen.shape[-2])
+    halves = seen[:, :, :line], seen[:, :, line:]
+    return torch.cat(
+        [recoloured(each, new & (torch.rand_like(new.float()) < 0.5)) for each in halves], 2
+    )
