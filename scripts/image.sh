@@ -17,14 +17,19 @@ train() { # name, network, epochs, further words
 for recipe in d2 d1; do
     "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
     train cascade-0 cascade 24
+    train whole-0 cascade 24 --as-paper recombine
     if [ "$recipe" = d2 ]; then # further seeds, baselines, ablations with a third of the training
-        for seed in 1 2; do train "cascade-$seed" cascade 24 --seed "$seed"; done
+        for seed in 1 2; do
+            train "cascade-$seed" cascade 24 --seed "$seed"
+            train "whole-$seed" cascade 24 --seed "$seed" --as-paper recombine
+        done
         train panel-transformer panel-transformer 8 --rate 0.0005 --batch 32
         train panel-recurrent panel-recurrent 18 --rate 0.004
         train panel-pool panel-pool 30
         train short cascade 8
+        train short-whole cascade 8 --as-paper recombine
         for part in losses noise weights mirror dropout all; do
-            train "short-without-$part" cascade 8 --as-paper "$part"
+            train "short-whole-without-$part" cascade 8 --as-paper recombine --as-paper "$part"
         done
     fi
     "$run" evaluate image --recipe "$recipe" -o "runs/image-$recipe"
@@ -35,6 +40,9 @@ recipe=leave-one-out
 for kind in one-panel-dress one-panel-jumpsuit top-skirt top-pants shirt skirt pants tee tank jacket \
     hoodie; do
     train "cascade-$kind" cascade 14 --without "$kind"
+done
+for kind in top-skirt top-pants; do
+    train "whole-$kind" cascade 14 --as-paper recombine --without "$kind"
 done
 for kind in top-skirt tee hoodie; do
     train "panel-transformer-$kind" panel-transformer 5 --rate 0.0005 --batch 32 --without "$kind"
