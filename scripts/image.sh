@@ -7,6 +7,8 @@ set -eu
 run=$1
 export OMP_NUM_THREADS=1
 
+whole="--as-paper recombine --as-paper recolour" # garments as they are
+
 train() { # name, network, epochs, further words
     name=$1 network=$2 epochs=$3
     shift 3
@@ -17,19 +19,22 @@ train() { # name, network, epochs, further words
 for recipe in d2 d1; do
     "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
     train cascade-0 cascade 24
-    train whole-0 cascade 24 --as-paper recombine
+    train whole-0 cascade 24 $whole
     if [ "$recipe" = d2 ]; then # further seeds, baselines, ablations with a third of the training
         for seed in 1 2; do
             train "cascade-$seed" cascade 24 --seed "$seed"
-            train "whole-$seed" cascade 24 --seed "$seed" --as-paper recombine
+            train "whole-$seed" cascade 24 --seed "$seed" $whole
         done
         train panel-transformer panel-transformer 8 --rate 0.0005 --batch 32
         train panel-recurrent panel-recurrent 18 --rate 0.004
         train panel-pool panel-pool 30
         train short cascade 8
-        train short-whole cascade 8 --as-paper recombine
+        for part in recombine recolour; do
+            train "short-without-$part" cascade 8 --as-paper "$part"
+        done
+        train short-whole cascade 8 $whole
         for part in losses noise weights mirror dropout all; do
-            train "short-whole-without-$part" cascade 8 --as-paper recombine --as-paper "$part"
+            train "short-whole-without-$part" cascade 8 $whole --as-paper "$part"
         done
     fi
     "$run" evaluate image --recipe "$recipe" -o "runs/image-$recipe"
@@ -42,7 +47,7 @@ for kind in one-panel-dress one-panel-jumpsuit top-skirt top-pants shirt skirt p
     train "cascade-$kind" cascade 14 --without "$kind"
 done
 for kind in top-skirt top-pants; do
-    train "whole-$kind" cascade 14 --as-paper recombine --without "$kind"
+    train "whole-$kind" cascade 14 $whole --without "$kind"
 done
 for kind in top-skirt tee hoodie; do
     train "panel-transformer-$kind" panel-transformer 5 --rate 0.0005 --batch 32 --without "$kind"
@@ -51,5 +56,4 @@ done
 "$run" evaluate image --recipe "$recipe" --seen 100 --unseen 100 --parts 0 --draped 50 \
     -o "runs/image-$recipe"
 
-"$run" train cascade --data "data/$recipe" --epochs 24 --precision bf16-mixed --recolour \
-    -o runs/image-wide
+"$run" train cascade --data "data/$recipe" --epochs 24 --precision bf16-mixed -o runs/image-wide

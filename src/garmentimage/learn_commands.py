@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 BASELINES = ("panel-transformer", "panel-recurrent", "panel-pool")
 NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES, "image-decoder", "denoiser")
-DEPARTURES = "losses", "noise", "weights", "mirror", "dropout", "recombine"
+DEPARTURES = "losses", "noise", "weights", "mirror", "dropout", "recombine", "recolour"
 EVERYTHING = "all"
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")
@@ -26,7 +26,6 @@ ONLY_OF = {
     "beta": ("vae", "vector-vae"),
     "without": ("cascade", *BASELINES),
     "as_paper": ("cascade",),
-    "recolour": ("cascade",),
     "resnet": BASELINES,
     "vae": ("image-decoder",),
 }
@@ -60,12 +59,6 @@ def train_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"cascade: {', '.join(DEPARTURES)} or {EVERYTHING}, as in the paper",
     )
     parser.add_argument(
-        "--recolour",
-        action="store_true",
-        default=None,
-        help="cascade: show garments in other colours, too, for photographs",
-    )
-    parser.add_argument(
         "--resnet", type=Path, metavar="FOLDER", help="baselines: ResNet that sees, pretrained"
     )
     parser.add_argument(
@@ -97,7 +90,6 @@ def run_train(options: argparse.Namespace) -> Exit:
             options.beta,
             tuple(options.without),
             parts,
-            bool(options.recolour),
             options.resnet,
             options.vae,
         ),
@@ -218,7 +210,6 @@ def _command(options: argparse.Namespace) -> str:
         for name, value in given
         if value is not None
     ]
-    words += ["--recolour"] if options.recolour else []
     start = f"garmentimage train {options.network} --data {options.data}"
     return " ".join([start, *words, "-o", str(options.out)])
 

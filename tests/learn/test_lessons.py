@@ -47,7 +47,8 @@ def test_a_cascade_as_in_the_paper_leaves_out_what_is_ours(pictured, tmp_path):
     assert told["weights"].boundary_weight == 1 and told["weights"].noise == ours.noise
     assert not told["mirror"].mirror and told["mirror"].dropout == ours.dropout
     assert told["dropout"].dropout == 0 and told["dropout"].mirror
-    assert told["recombine"].recombine == 0 and told["recombine"].mirror
+    assert told["recombine"].recombine == 0 and told["recombine"].recolour
+    assert not told["recolour"].recolour and told["recolour"].recombine
     assert replace(told["all"], grid=PAPER.grid) == PAPER
 
 

@@ -24,7 +24,7 @@ from garmentimage.learn.rasters import (
     mirrored_types,
     mirrored_vectors,
 )
-from garmentimage.learn.recombine import recoloured, recombined, repainted
+from garmentimage.learn.recombine import recombined, repainted
 from garmentimage.learn.unet import UNet, folded
 from garmentimage.raster.image import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
 
@@ -48,8 +48,8 @@ class CascadeConfig:
     ways when the network is used."""
     dropout: float = 0.1
     """Share of channels that are left out when flags and edge types are taught."""
-    recolour: bool = False
-    """Half of the pictures are shown in other colours: for pictures that are not of the recipe."""
+    recolour: bool = True
+    """Pictures are shown in other colours than those of the recipe (`repainted`)."""
     recombine: float = 0.5
     """Share of garments that are shown with the upper or the lower half of another, where one fits
     (`recombined`)."""
@@ -64,7 +64,13 @@ class CascadeConfig:
 SURE = 20.0
 """Logit of what is certain."""
 PAPER = CascadeConfig(
-    squares=True, noise=0.0, boundary_weight=1.0, mirror=False, dropout=0.0, recombine=0.0
+    squares=True,
+    noise=0.0,
+    boundary_weight=1.0,
+    mirror=False,
+    dropout=0.0,
+    recombine=0.0,
+    recolour=False,
 )
 DEPARTURES = {
     "losses": ("squares",),
@@ -73,6 +79,7 @@ DEPARTURES = {
     "mirror": ("mirror",),
     "dropout": ("dropout",),
     "recombine": ("recombine",),
+    "recolour": ("recolour",),
 }
 """What of ours may be left out, and the settings that are then as in the paper."""
 
@@ -93,13 +100,11 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         config = self.config
         if config.mirror and self.training:
             batch = batch.mirrored(torch.rand(len(batch), device=batch.pictures.device) < 0.5)
-        if config.recombine and self.training:
+        seen, truth = batch.seen(), batch.rasters
+        if self.training:
             batch, new = recombined(batch, config.recombine)
-            seen, truth = repainted(batch.seen(), new), batch.rasters
-        else:
-            seen, truth = batch.seen(), batch.rasters
-        if config.recolour and self.training:
-            seen = recoloured(seen, torch.rand(len(seen), device=seen.device) < 0.5)
+            truth = batch.rasters
+            seen = repainted(batch, new) if config.recolour else batch.seen()
         picture = folded(seen)
         maps = truth.inputs()
         flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]

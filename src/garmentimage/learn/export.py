@@ -21,6 +21,7 @@ from garmentimage.learn.cascade import Cascade
 from garmentimage.learn.garment_vae import GarmentVAE, from_channels, to_channels
 from garmentimage.learn.pictured import Album
 from garmentimage.learn.rasters import INPUTS, Labelled
+from garmentimage.learn.recombine import repainted
 from garmentimage.predict.network import PICTURES, PREDICTOR, distance_from, shrunk
 from garmentimage.predict.photo import Box, find_wearer
 
@@ -30,6 +31,8 @@ KNOWN_A_TYPE = 300
 WEIGHTS, CARD = "model.safetensors", "README.md"
 SEEN, AXES = 1000, 48
 """Pictures by which others are judged, and directions in which they may differ."""
+COLOURS_SEED = 43
+"""Of the colours in which these are shown."""
 USUAL = 0.99
 """Share of held-out pictures that are no further from the others than is usual."""
 LEAST = 0.01
@@ -116,7 +119,7 @@ def export_cascade(
             folder / PREDICTOR: _onnx(
                 _Predictor(model), torch.zeros(2, 3, size, size), "picture", "channels"
             ),
-            folder / PICTURES: _pictures(known, held_out),
+            folder / PICTURES: _pictures(known, held_out, recolour=model.config.recolour),
             folder / CARD: card,
         }
     )
@@ -128,13 +131,17 @@ def half_bytes(model: nn.Module) -> bytes:
     return save(halves, {"format": "pt"})
 
 
-def _rows(album: Album, most: int) -> list[np.ndarray]:
-    """Some pictures, the highest row first."""
+def _rows(album: Album, most: int, *, recolour: bool = False) -> list[np.ndarray]:
+    """Some pictures as they are shown in training, the highest row first."""
     numbers = np.linspace(0, len(album.ids) - 1, min(most, len(album.ids))).astype(int)
-    return [
-        np.ascontiguousarray(picture.numpy()[:, ::-1].transpose(1, 2, 0))
-        for picture in album.garments.pictures[torch.from_numpy(numbers)]
-    ]
+    some = album.garments.batch(torch.from_numpy(numbers))
+    shown = some.pictures
+    if recolour:
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(COLOURS_SEED)
+            seen = repainted(some, torch.zeros(len(some), dtype=torch.bool))
+        shown = (255 * seen).round().to(torch.uint8)
+    return [np.ascontiguousarray(each.numpy()[:, ::-1].transpose(1, 2, 0)) for each in shown]
 
 
 def _wearer(album: Album) -> Box:
@@ -151,13 +158,16 @@ def _wearer(album: Album) -> Box:
     return Box(float(top), float(bottom), float(left), float(right))
 
 
-def _pictures(known: Album, held_out: Album) -> bytes:
+def _pictures(known: Album, held_out: Album, *, recolour: bool) -> bytes:
     """The plane that pictures lie near to, and how far held-out ones are from it."""
-    rows = np.array([shrunk(pixels) for pixels in _rows(known, SEEN)])
+    rows = np.array([shrunk(pixels) for pixels in _rows(known, SEEN, recolour=recolour)])
     middle = rows.mean(0)
     _, _, axes = np.linalg.svd(rows - middle, full_matrices=False)
     axes = axes[:AXES]
-    apart = [distance_from(shrunk(pixels), middle, axes) for pixels in _rows(held_out, SEEN)]
+    apart = [
+        distance_from(shrunk(pixels), middle, axes)
+        for pixels in _rows(held_out, SEEN, recolour=recolour)
+    ]
     file = BytesIO()
     np.savez_compressed(
         file,

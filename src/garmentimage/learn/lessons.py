@@ -31,8 +31,6 @@ class Wanted:
     """Types of garments that are left out."""
     as_paper: tuple[str, ...] = ()
     """Which of our departures from the paper's cascade are left out, see `DEPARTURES`."""
-    recolour: bool = False
-    """Whether a cascade is shown garments in other colours, too."""
     resnet: Path | None = None
     """Folder of a ResNet that looks at the pictures for a baseline."""
     vae: Path | None = None
@@ -116,7 +114,7 @@ def cascade_lesson(wanted: Wanted) -> Lesson:
     )
     given_up = {name: getattr(PAPER, name) for part in wanted.as_paper for name in DEPARTURES[part]}
     config = replace(
-        CascadeConfig(**given_up, recolour=wanted.recolour),
+        CascadeConfig(**given_up),
         grid=known.garments.inside.shape[-1],
         picture=known.garments.pictures.shape[-1],
     )

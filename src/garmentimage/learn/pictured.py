@@ -16,7 +16,9 @@ from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path
 from garmentimage.learn.rasters import Rasters, from_channels
 
-PICTURE = "picture_front"
+PICTURE, PANELS = "picture_front", "panels"
+BODY = 1
+"""In a map of panels; what is more is cloth."""
 
 
 @dataclass  # not frozen: Fabric casts its fields where precision is mixed
@@ -25,6 +27,8 @@ class Pictured:
 
     pictures: UInt8[Tensor, "n 3 pixel_row pixel_col"]
     """Seen from the front, the lowest row of pixels first, as rasters are."""
+    cloth: Bool[Tensor, "n pixel_row pixel_col"]
+    """Where the garment is in the picture."""
     inside: Tensor
     types: Tensor
     vectors: Tensor
@@ -41,13 +45,18 @@ class Pictured:
     def batch(self, numbers: Tensor) -> "Pictured":
         """Some of them."""
         return Pictured(
-            self.pictures[numbers], self.inside[numbers], self.types[numbers], self.vectors[numbers]
+            self.pictures[numbers],
+            self.cloth[numbers],
+            self.inside[numbers],
+            self.types[numbers],
+            self.vectors[numbers],
         )
 
     def to(self, device: torch.device) -> "Pictured":
         """The same on another device."""
         return Pictured(
             self.pictures.to(device),
+            self.cloth.to(device),
             self.inside.to(device),
             self.types.to(device),
             self.vectors.to(device),
@@ -59,6 +68,7 @@ class Pictured:
         there = which[:, None, None, None]
         return Pictured(
             torch.where(there, self.pictures.flip(-1), self.pictures),
+            torch.where(there[:, 0], self.cloth.flip(-1), self.cloth),
             torch.where(there, other.inside, self.inside),
             torch.where(there, other.types, self.types),
             torch.where(there, other.vectors, self.vectors),
@@ -88,13 +98,14 @@ def read_album(folder: str | Path, split: str, *, without: Collection[str] = ())
             have more than two layers.
     """
     pictures: list[np.ndarray] = []
+    cloth: list[np.ndarray] = []
     images: list[np.ndarray] = []
     told: dict[str, list[str]] = {"id": [], "type": [], "pattern": []}
     known = facts(shard_files(folder, split)[0]).types
     for name in without:
         if name not in known:
             raise DatasetError(f"the dataset has no type {quoted(name)}; {near(name, known)}")
-    for table in tables(folder, split, [*told, "raster", PICTURE]):
+    for table in tables(folder, split, [*told, "raster", PICTURE, PANELS]):
         kinds = table["type"].to_pylist()
         kept = [k for k, name in enumerate(kinds) if name not in without]
         here = rasters(table["raster"])
@@ -103,6 +114,8 @@ def read_album(folder: str | Path, split: str, *, without: Collection[str] = ())
         images += [here[k] for k in kept]
         shown = table[PICTURE].to_pylist()
         pictures += [pixels(shown[k]["bytes"]) for k in kept]
+        panels = table[PANELS].to_pylist()
+        cloth += [covered(panels[k]["bytes"]) for k in kept]
         for name, values in told.items():
             column = table[name].to_pylist()
             values += [column[k] for k in kept]
@@ -110,7 +123,11 @@ def read_album(folder: str | Path, split: str, *, without: Collection[str] = ())
         raise DatasetError(f"{shown_path(folder)}: its split {quoted(split)} has no rows")
     found = from_channels(np.stack(images))
     garments = Pictured(
-        torch.from_numpy(np.stack(pictures)), found.inside, found.types, found.vectors
+        torch.from_numpy(np.stack(pictures)),
+        torch.from_numpy(np.stack(cloth)),
+        found.inside,
+        found.types,
+        found.vectors,
     )
     return Album(garments, *(tuple(values) for values in told.values()))
 
@@ -121,3 +138,10 @@ def pixels(data: bytes) -> UInt8[np.ndarray, "3 pixel_row pixel_col"]:
 
     colours = np.array(Image.open(BytesIO(data)).convert("RGB"))
     return np.ascontiguousarray(colours[::-1].transpose(2, 0, 1))
+
+
+def covered(data: bytes) -> Bool[np.ndarray, "pixel_row pixel_col"]:
+    """Where a map of panels of the dataset shows cloth, the lowest row first."""
+    from PIL import Image
+
+    return np.ascontiguousarray(np.array(Image.open(BytesIO(data)))[::-1] > BODY)

@@ -23,6 +23,8 @@ LEAST_CELLS = 2
 """In each layer, at the waist."""
 DARKER = 0.9
 """Colours shown anew are the old ones to the power of 1 / e^DARKER to e^DARKER."""
+TINT = 1.6
+"""And times 1 / e^TINT to 1, in each channel."""
 
 
 def recombined(batch: Pictured, share: float) -> tuple[Pictured, Bool[Tensor, " n"]]:
@@ -96,6 +98,7 @@ def _joined(
     one = new[:, None, None, None]
     return Pictured(
         torch.where(one & shown, given.pictures, batch.pictures),
+        torch.where((one & shown)[:, 0], given.cloth, batch.cloth),
         torch.where(one & taken, given.inside, batch.inside),
         torch.where(one & (taken | (seam & bottom)), given.types, batch.types),
         torch.where(one & taken, given.vectors, batch.vectors),
@@ -103,27 +106,30 @@ def _joined(
 
 
 def recoloured(
-    seen: Float[Tensor, "n 3 pixel_row pixel_col"], which: Bool[Tensor, " n"]
+    seen: Float[Tensor, "n 3 pixel_row pixel_col"],
 ) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
-    """Pictures, some of them with red, green and blue exchanged, and each lighter or darker.
-
-    Black and white stay as they are.
-    """
-    order = torch.rand(len(seen), 3, device=seen.device).argsort(1)[:, :, None, None]
-    power = (2 * torch.rand(order.shape, device=seen.device) - 1) * DARKER
+    """Pictures in other colours: channels exchanged, lighter or darker, and tinted."""
+    count = len(seen)
+    order = torch.rand(count, 3, device=seen.device).argsort(1)[:, :, None, None]
+    power = (2 * torch.rand(count, 1, 1, 1, device=seen.device) - 1) * DARKER
+    tint = (-TINT * torch.rand(count, 3, 1, 1, device=seen.device)).exp()
     other = seen.gather(1, order.expand_as(seen)).clamp(min=1e-4) ** power.exp()
-    return torch.where(which[:, None, None, None], other, seen)
+    return other * tint
 
 
-def repainted(
-    seen: Float[Tensor, "n 3 pixel_row pixel_col"], new: Bool[Tensor, " n"]
-) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
-    """Pictures of which each half of some, above and below the waist, may have other colours.
+def repainted(batch: Pictured, new: Bool[Tensor, " n"]) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
+    """Pictures with cloth in other colours, that of new garments in two, above and below the waist.
 
-    Else colours would tell which halves were joined.
+    Else colours would tell what goes with what: brown is trousers, where no skirt was brown.
+
+    Args:
+        batch: the garments.
+        new: which of them are joined from two.
     """
-    line = round(WAIST * seen.shape[-2])
-    halves = seen[:, :, :line], seen[:, :, line:]
-    return torch.cat(
-        [recoloured(each, new & (torch.rand_like(new.float()) < 0.5)) for each in halves], 2
+    seen = batch.seen()
+    one, two = recoloured(seen), recoloured(seen)
+    lower = torch.arange(seen.shape[-2], device=seen.device)[:, None] < round(
+        WAIST * seen.shape[-2]
     )
+    cloth = torch.where(lower & new[:, None, None, None], two, one)
+    return torch.where(batch.cloth[:, None], cloth, seen)
