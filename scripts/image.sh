@@ -18,11 +18,11 @@ train() { # name, network, epochs, further words
 
 for recipe in d2 d1; do
     "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
-    train cascade-0 cascade 24
+    train cascade-0 cascade 32
     train whole-0 cascade 24 $whole
     if [ "$recipe" = d2 ]; then # further seeds, baselines, ablations with a third of the training
         for seed in 1 2; do
-            train "cascade-$seed" cascade 24 --seed "$seed"
+            train "cascade-$seed" cascade 32 --seed "$seed"
             train "whole-$seed" cascade 24 --seed "$seed" $whole
         done
         train panel-transformer panel-transformer 8 --rate 0.0005 --batch 32
@@ -56,4 +56,4 @@ done
 "$run" evaluate image --recipe "$recipe" --seen 100 --unseen 100 --parts 0 --draped 50 \
     -o "runs/image-$recipe"
 
-"$run" train cascade --data "data/$recipe" --epochs 24 --precision bf16-mixed -o runs/image-wide
+"$run" train cascade --data "data/$recipe" --epochs 32 --precision bf16-mixed -o runs/image-wide
