@@ -39,7 +39,7 @@ def test_a_cascade_learns_a_few_garments_by_heart(pictured, config):
     batch = read_album(pictured, "train").garments.batch(torch.arange(12))
     model = Cascade(
         CascadeConfig(
-            channels=(32, 32, 32), squares=config.squares, noise=0.0, recombine=0.0, recolour=False
+            channels=(32, 32, 32), squares=config.squares, noise=0.0, recombine=0.0, recolour=0.0
         )
     )
     optimizer = torch.optim.AdamW(model.parameters(), 3e-3)

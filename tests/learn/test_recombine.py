@@ -8,7 +8,7 @@ from garmentimage.explore.space import step_of
 from garmentimage.learn.cascade import sure_maps
 from garmentimage.learn.garment_vae import to_channels
 from garmentimage.learn.pictured import Pictured, read_album
-from garmentimage.learn.recombine import WAIST, recoloured, recombined, repainted
+from garmentimage.learn.recombine import WAIST, recombined, repainted
 
 
 @pytest.fixture(scope="module")
@@ -75,14 +75,16 @@ def test_a_garment_without_a_seam_at_the_waist_gives_nothing():
     assert torch.equal(found.types[1:], types[:1].expand(3, -1, -1, -1))
 
 
-def test_recoloured_cloth_keeps_its_folds():
+def test_repainted_cloth_keeps_its_folds():
     torch.manual_seed(0)
-    seen = torch.rand(20, 1, 16, 16).expand(-1, 3, -1, -1)
-    found = recoloured(seen)
+    grey = (255 * torch.rand(20, 1, 16, 16)).to(torch.uint8).expand(-1, 3, -1, -1)
+    empty = torch.zeros(20, 2, 16, 16)
+    cloth = torch.ones(20, 16, 16, dtype=torch.bool)
+    batch = Pictured(grey, cloth, empty, empty, empty)
+    found = repainted(batch, torch.zeros(20, dtype=torch.bool), 1.0)
     assert found.min() >= 0 and found.max() <= 1
-    order = seen.flatten(2).argsort(2)
-    sorted_anew = found.flatten(2).gather(2, order)
-    assert (sorted_anew.diff(dim=2) >= 0).all()  # what is lighter stays lighter
+    order = grey.flatten(2).argsort(2)
+    assert (found.flatten(2).gather(2, order).diff(dim=2) >= 0).all()  # lighter stays lighter
     shades = found[:, :, 0, 0]
     assert (shades.amax(1) - shades.amin(1)).max() > 0.1
 
@@ -95,9 +97,11 @@ def test_new_garments_have_cloth_of_two_colours_and_others_of_one():
     empty = torch.zeros(40, 2, 16, 16)
     batch = Pictured(grey, cloth, empty, empty, empty)
     new = torch.arange(40) < 20
-    found = repainted(batch, new)
+    found = repainted(batch, new, 1.0)
     assert torch.equal(found[:, :, :20], batch.seen()[:, :, :20])  # skin and page stay
     line = round(WAIST * 128)
     below, above = found[:, :, line - 1, 60], found[:, :, line, 60]
     assert (below != above).any(1)[new].all() and torch.equal(below[~new], above[~new])
     assert len(torch.unique(above, dim=0)) == 40
+    same = torch.isclose(repainted(batch, new, 0.5), batch.seen()).flatten(1).all(1)
+    assert not same[new].any() and 2 <= same[~new].sum() <= 18

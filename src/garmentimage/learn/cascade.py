@@ -48,8 +48,9 @@ class CascadeConfig:
     ways when the network is used."""
     dropout: float = 0.1
     """Share of channels that are left out when flags and edge types are taught."""
-    recolour: bool = True
-    """Pictures are shown in other colours than those of the recipe (`repainted`)."""
+    recolour: float = 0.5
+    """Share of garments that are shown in other colours than those of the recipe; 0 also leaves
+    those that are joined from two as they are (`repainted`)."""
     recombine: float = 0.5
     """Share of garments that are shown with the upper or the lower half of another, where one fits
     (`recombined`)."""
@@ -70,7 +71,7 @@ PAPER = CascadeConfig(
     mirror=False,
     dropout=0.0,
     recombine=0.0,
-    recolour=False,
+    recolour=0.0,
 )
 DEPARTURES = {
     "losses": ("squares",),
@@ -104,7 +105,7 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         if self.training:
             batch, new = recombined(batch, config.recombine)
             truth = batch.rasters
-            seen = repainted(batch, new) if config.recolour else batch.seen()
+            seen = repainted(batch, new, config.recolour) if config.recolour else batch.seen()
         picture = folded(seen)
         maps = truth.inputs()
         flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]

@@ -119,7 +119,7 @@ def export_cascade(
             folder / PREDICTOR: _onnx(
                 _Predictor(model), torch.zeros(2, 3, size, size), "picture", "channels"
             ),
-            folder / PICTURES: _pictures(known, held_out, recolour=model.config.recolour),
+            folder / PICTURES: _pictures(known, held_out, recolour=model.config.recolour > 0),
             folder / CARD: card,
         }
     )
@@ -139,7 +139,7 @@ def _rows(album: Album, most: int, *, recolour: bool = False) -> list[np.ndarray
     if recolour:
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(COLOURS_SEED)
-            seen = repainted(some, torch.zeros(len(some), dtype=torch.bool))
+            seen = repainted(some, torch.zeros(len(some), dtype=torch.bool), 1.0)
         shown = (255 * seen).round().to(torch.uint8)
     return [np.ascontiguousarray(each.numpy()[:, ::-1].transpose(1, 2, 0)) for each in shown]
 

@@ -105,31 +105,28 @@ def _joined(
     )
 
 
-def recoloured(
-    seen: Float[Tensor, "n 3 pixel_row pixel_col"],
+def repainted(
+    batch: Pictured, new: Bool[Tensor, " n"], share: float
 ) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
-    """Pictures in other colours: channels exchanged, lighter or darker, and tinted."""
-    count = len(seen)
-    order = torch.rand(count, 3, device=seen.device).argsort(1)[:, :, None, None]
-    power = (2 * torch.rand(count, 1, 1, 1, device=seen.device) - 1) * DARKER
-    tint = (-TINT * torch.rand(count, 3, 1, 1, device=seen.device)).exp()
-    other = seen.gather(1, order.expand_as(seen)).clamp(min=1e-4) ** power.exp()
-    return other * tint
-
-
-def repainted(batch: Pictured, new: Bool[Tensor, " n"]) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
     """Pictures with cloth in other colours, that of new garments in two, above and below the waist.
 
-    Else colours would tell what goes with what: brown is trousers, where no skirt was brown.
+    Channels are exchanged, made lighter or darker, and tinted. Else colours would tell what goes
+    with what: brown is trousers, where no skirt was brown.
 
     Args:
         batch: the garments.
-        new: which of them are joined from two.
+        new: which of them are joined from two; all of these have other colours.
+        share: of the rest that have.
     """
     seen = batch.seen()
-    one, two = recoloured(seen), recoloured(seen)
-    lower = torch.arange(seen.shape[-2], device=seen.device)[:, None] < round(
-        WAIST * seen.shape[-2]
-    )
-    cloth = torch.where(lower & new[:, None, None, None], two, one)
-    return torch.where(batch.cloth[:, None], cloth, seen)
+    some = torch.where(new | (torch.rand(len(new), device=new.device) < share))[0]
+    here, count, rows = seen[some], len(some), torch.arange(seen.shape[-2], device=new.device)
+    second = (rows < round(WAIST * len(rows))) & new[some, None]
+    # Two sets of colours for each garment, and which of them each row of pixels has.
+    sets = 2 * torch.arange(count, device=new.device)[:, None] + second
+    order = torch.rand(2 * count, 3, device=new.device).argsort(1)[sets].transpose(1, 2)
+    power = (2 * torch.rand(2 * count, 1, device=new.device) - 1)[sets].transpose(1, 2) * DARKER
+    tint = (-TINT * torch.rand(2 * count, 3, device=new.device)).exp()[sets].transpose(1, 2)
+    other = here.gather(1, order[..., None].expand_as(here)).clamp(min=1e-4)
+    other = other ** power.exp()[..., None] * tint[..., None]
+    return seen.index_copy(0, some, torch.where(batch.cloth[some, None], other, here))
