@@ -53,7 +53,7 @@ for kind in top-skirt tee hoodie; do
     train "panel-transformer-$kind" panel-transformer 5 --rate 0.0005 --batch 32 --without "$kind"
     train "panel-recurrent-$kind" panel-recurrent 11 --rate 0.004 --without "$kind"
 done
-"$run" evaluate image --recipe "$recipe" --seen 100 --unseen 100 --parts 0 --draped 50 \
+"$run" evaluate image --recipe "$recipe" --seen 100 --unseen 100 --parts 50 --draped 50 \
     -o "runs/image-$recipe"
 
 "$run" train cascade --data "data/$recipe" --epochs 32 --precision bf16-mixed -o runs/image-wide

@@ -194,12 +194,16 @@ def test_networks_left_without_each_type_in_turn_have_one_name_and_one_table(pic
     value = {"mean": 0.5, "low": 0.25, "high": 0.75}
     figures = {"seen": {"panel_iou": value}, "unseen": {"panel_iou": value, "topology": value}}
     table = held_out_table(
-        {"shirt": {"ours": figures, "ours, paper": figures}, "top skirt": {"pool": figures}}
+        {
+            "shirt": {"ours": figures, "ours, paper": figures, "true flags": figures},
+            "top skirt": {"pool": figures, "true image": figures},
+        }
     )
     heads, _, shirt, skirt = table.splitlines()
-    assert heads.count("|") == 8 and "paper" not in heads
-    assert shirt.count("0.500 (0.250 to 0.750)") == skirt.count("0.500 (0.250 to 0.750)") == 3
-    assert shirt.endswith("| - | - | - |")
+    assert heads.count("|") == 11 and "paper" not in heads and "flags" not in heads
+    assert shirt.count("0.500 (0.250 to 0.750)") == 3
+    assert skirt.count("0.500 (0.250 to 0.750)") == 6
+    assert shirt.endswith("| - | - | - | - | - | - |")
 
 
 def test_seeds_of_one_name_count_as_one_garment_each():
