@@ -4,7 +4,8 @@ All GarmentImages stand on one grid, and all pictures of a recipe on one body, s
 along the body's waist. Where one garment has a waist seam and another is as many cells wide there,
 the upper half of either, sewn to the lower half of the other, is a garment again: the bodice of a
 dress above the legs of a top with trousers. Networks that are taught with such garments do not take
-it for granted that parts go together only as they did in training. (Not in the paper.)
+it for granted that parts go together only as they did in training; cloth in other colours keeps
+them from telling kinds by colour. (Not in the paper.)
 """
 
 import torch
@@ -16,7 +17,8 @@ from garmentimage.learn.rasters import LAYERS
 from garmentimage.raster.image import EdgeType
 
 WAIST = 0.615
-"""Where the waist is in pictures of the recipes, as a share of their height from below."""
+"""Where the waist is in pictures of the recipes, as a share of their height from below; bodies differ
+by a hundredth or two."""
 LINES = 0.5, 0.5625
 """Grid lines that waist seams are on, as shares of the grid's height from below."""
 LEAST_CELLS = 2
