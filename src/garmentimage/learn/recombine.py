@@ -17,8 +17,9 @@ from garmentimage.learn.rasters import LAYERS
 from garmentimage.raster.image import EdgeType
 
 WAIST = 0.615
-"""Where the waist is in pictures of the recipes, as a share of their height from below; bodies differ
-by a hundredth or two."""
+"""Where the waist is in pictures of the recipes, as a share of their height from below.
+
+Bodies differ by a hundredth or two."""
 LINES = 0.5, 0.5625
 """Grid lines that waist seams are on, as shares of the grid's height from below."""
 LEAST_CELLS = 2
