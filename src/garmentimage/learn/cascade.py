@@ -101,12 +101,11 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         config = self.config
         if config.mirror and self.training:
             batch = batch.mirrored(torch.rand(len(batch), device=batch.pictures.device) < 0.5)
-        seen, truth = batch.seen(), batch.rasters
+        seen = None
         if self.training:
             batch, new = recombined(batch, config.recombine)
-            truth = batch.rasters
-            seen = repainted(batch, new, config.recolour) if config.recolour else batch.seen()
-        picture = folded(seen)
+            seen = repainted(batch, new, config.recolour) if config.recolour else None
+        picture, truth = folded(batch.seen() if seen is None else seen), batch.rasters
         maps = truth.inputs()
         flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]
         if config.noise and self.training:

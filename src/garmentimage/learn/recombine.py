@@ -19,7 +19,8 @@ from garmentimage.raster.image import EdgeType
 WAIST = 0.615
 """Where the waist is in pictures of the recipes, as a share of their height from below.
 
-Bodies differ by a hundredth or two."""
+Bodies differ by a hundredth or two.
+"""
 LINES = 0.5, 0.5625
 """Grid lines that waist seams are on, as shares of the grid's height from below."""
 LEAST_CELLS = 2
@@ -44,7 +45,7 @@ def recombined(batch: Pictured, share: float) -> tuple[Pictured, Bool[Tensor, " 
     device = batch.inside.device
     chosen = torch.rand(count, device=device) < share
     takes_upper = torch.rand(count, device=device) < 0.5
-    lines = [round(share * grid) for share in LINES]
+    lines = [round(height * grid) for height in LINES]
     sewn = torch.stack([_is_sewn(batch, line) for line in lines])
     alike = torch.stack([_fitting(batch, line, takes_upper) for line in lines])
     # One that is sewn at another line would keep that seam beside the new one.
