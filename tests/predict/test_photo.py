@@ -114,6 +114,20 @@ def test_an_empty_picture_is_told_and_so_is_a_speck():
     assert find_wearer(page) == (None, "shows nothing before its background")
 
 
+@pytest.mark.parametrize("blur", [0, 1])
+def test_a_thin_frame_round_a_photograph_is_cut_off(blur):
+    pixels = figure()
+    for side in (slice(0, 3), slice(-3, None)):
+        pixels[side], pixels[:, side] = 20, 20
+    if blur:
+        for at in (3, -4):
+            pixels[at, 3:-3], pixels[3:-3, at] = 130, 130
+    mask, note = find_wearer(framed(Photo(pixels, ()), BOX, 100).pixels)
+    at = np.argwhere(mask)
+    assert np.abs(at.min(0) - (10, 30)).max() <= 2 and np.abs(at.max(0) - (89, 69)).max() <= 2
+    assert not note
+
+
 def test_of_two_figures_the_larger_is_taken_and_that_is_told():
     two = np.hstack([figure(), figure(top=40)])
     mask, note = find_wearer(two)

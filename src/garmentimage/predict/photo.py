@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, UInt8
+from jaxtyping import Bool, Float, UInt8
 
 from garmentimage.errors import LearnError
 from garmentimage.files import shown_path
@@ -31,6 +31,8 @@ PLAIN = 24.0
 """How far from the colour of the border, of 255, a pixel is the wearer's."""
 BORDER_SHARE = 0.8
 """A background is plain where this share of the border has one colour."""
+FRAME = 0.05
+"""The most of a picture's shorter side that a frame round it takes, on each side."""
 SPECK = 0.02
 """What is lower than this share of the picture is no wearer."""
 FURTHER = 0.3
@@ -191,6 +193,7 @@ def framed(photo: Photo, box: Box, size: int) -> Photo:
     Returns:
         The picture; its notes say where nothing could be done.
     """
+    photo = Photo(without_frame(photo.pixels), photo.notes)
     rows, cols = photo.pixels.shape[:2]
     wearer, note = find_wearer(photo.pixels)
     notes = (*photo.notes, note) if note else photo.notes
@@ -210,6 +213,19 @@ def framed(photo: Photo, box: Box, size: int) -> Photo:
     return Photo(_cut(cleared, first_row, first_col, side, size), notes)
 
 
+def without_frame(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "r c 3"]:
+    """The picture inside a thin frame of one colour, where it has one round a plain background."""
+    colour, share = _border(pixels)
+    if share < 1:
+        return pixels
+    for width in range(1, int(FRAME * min(pixels.shape[:2])) + 1):
+        inner = pixels[width:-width, width:-width]
+        other, share = _border(inner)
+        if share >= BORDER_SHARE and np.abs(other - colour).max() >= PLAIN:
+            return without_frame(inner)  # its edge may be blurred
+    return pixels
+
+
 def find_wearer(
     pixels: UInt8[np.ndarray, "row col 3"],
 ) -> tuple[Bool[np.ndarray, "row col"] | None, str]:
@@ -221,9 +237,8 @@ def find_wearer(
     """
     from scipy import ndimage
 
-    border = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]]).astype(float)
-    colour = np.median(border, axis=0)
-    if (np.abs(border - colour).max(1) < PLAIN).mean() < BORDER_SHARE:
+    colour, share = _border(pixels)
+    if share < BORDER_SHARE:
         return None, RESTLESS
     other = np.abs(pixels.astype(float) - colour).max(2) >= PLAIN
     parts, _ = ndimage.label(other, np.ones((3, 3)))
@@ -234,6 +249,13 @@ def find_wearer(
         return None, EMPTY
     is_crowded = np.sort(sizes)[-2] > FURTHER * sizes.max()
     return filled, CROWDED if is_crowded else ""
+
+
+def _border(pixels: UInt8[np.ndarray, "row col 3"]) -> tuple[Float[np.ndarray, "3"], float]:
+    """The colour of the outermost pixels, and the share of them that have it."""
+    border = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]]).astype(float)
+    colour = np.median(border, axis=0)
+    return colour, float((np.abs(border - colour).max(1) < PLAIN).mean())
 
 
 def _squared(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "side side 3"]:
