@@ -12,8 +12,6 @@ from garmentimage.files import check_output, safe_name, shown_path, write_togeth
 from garmentimage.terminal import Exit, error_facts, list_facts, one_line, print_json
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from garmentimage.explore.strip import Shown
     from garmentimage.predict.network import Prediction
 
@@ -86,6 +84,7 @@ def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
     """Write what is found, and take away what an earlier run found under the same name."""
     from garmentimage.drape.export import worn_bytes
     from garmentimage.pattern.spec import pattern_text
+    from garmentimage.predict.sheet import sheet
     from garmentimage.raster.files import image_bytes
     from garmentimage.render.png import png_bytes
 
@@ -93,7 +92,7 @@ def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
     assert step.image is not None  # it is made of one
     found: dict[str, bytes | str | None] = {
         ".npz": image_bytes(step.image),
-        ".png": png_bytes(_picture(prediction, worn)),
+        ".png": png_bytes(sheet(prediction, worn)),
         ".json": None if step.pattern is None else pattern_text(step.pattern),
         ".glb": None if worn.worn is None else worn_bytes(worn.worn, ".glb"),
     }
@@ -102,13 +101,6 @@ def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
     for suffix, data in found.items():
         if data is None:
             (out / (name + suffix)).unlink(missing_ok=True)
-
-
-def _picture(prediction: "Prediction", worn: "Shown") -> "np.ndarray":
-    """What the network saw and where it doubts, beside pattern, raster and drape."""
-    from garmentimage.explore.strip import beside, strip
-
-    return beside(prediction.photo.pixels, strip([worn]), prediction.doubts)
 
 
 def _facts(name: str, prediction: "Prediction", worn: "Shown") -> dict[str, Any]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import UInt8
 
 from garmentimage.drape.wear import drape
 from garmentimage.drape.worn import Worn
@@ -83,14 +83,12 @@ def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
 def beside(
     picture: UInt8[np.ndarray, "row col 3"],
     columns: UInt8[np.ndarray, "row col 3"],
-    doubts: Float[np.ndarray, "layer row col"] | None = None,
 ) -> UInt8[np.ndarray, "row col 3"]:
     """A picture to the left of a strip, as wide as a column, beside what is worn.
 
     Args:
         picture: square.
         columns: a strip.
-        doubts: drawn over the picture: how unsure someone is of the cells of each layer.
     """
     from PIL import Image
 
@@ -98,28 +96,7 @@ def beside(
     seen = Image.fromarray(picture).resize((side, side), Image.Resampling.LANCZOS)
     left = np.full((rows, side, 3), 255, np.uint8)
     left[rows - side :] = np.asarray(seen)
-    if doubts is not None:
-        drawn = _doubts(doubts)
-        left[rows - side - len(drawn) : rows - side] = drawn
     return np.concatenate([left, columns], axis=1)
-
-
-def _doubts(doubts: Float[np.ndarray, "layer row col"]) -> UInt8[np.ndarray, "row col 3"]:
-    """Maps of a picture's doubts, as wide as a column."""
-    from matplotlib.figure import Figure
-    from PIL import Image
-
-    figure = Figure(figsize=(COLUMN_IN, RASTER_IN), facecolor=PAPER, layout="constrained")
-    for number, (name, values) in enumerate(zip(("front", "back"), doubts)):
-        axes = figure.add_subplot(1, 2, number + 1)
-        axes.imshow(values, origin="lower", cmap="Reds", vmin=0, vmax=1)
-        axes.set_title(f"doubt, {name}", fontsize=6, color=FAINT)
-        axes.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
-        for spine in axes.spines.values():
-            spine.set_color(FAINT)
-    raw = picture_bytes(figure, "png", dpi=DPI)
-    drawn = Image.open(io.BytesIO(raw)).convert("RGB")
-    return np.asarray(drawn.resize((int(COLUMN_IN * DPI), int(RASTER_IN * DPI))))
 
 
 def film(columns: Sequence[Shown]) -> bytes:
