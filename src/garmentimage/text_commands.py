@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentimage.errors import LearnError, quoted
-from garmentimage.explore_commands import make_folder, read_given
-from garmentimage.files import shown_path, write_together
+from garmentimage.explore_commands import check_folder, make_folder, read_given
+from garmentimage.files import check_output, shown_path, write_together
 from garmentimage.terminal import (
     Exit,
     add_order,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from garmentimage.text.guidance import ScoreDistillation
 
 KINDS = ("small", "sd")
-OF_SD = ("model", "scale", "negative", "wrap")
+RESULTS = "edited.json", "edited.npz", "edited.glb", "before.glb", "strip.png"
 
 
 def edit_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,14 +67,25 @@ def run_edit(options: argparse.Namespace) -> Exit:
     _need_extra()
     from tqdm import tqdm
 
-    from garmentimage.text.edit import PICTURES, SPACE, STEPS_USUAL, TextEditor, checked_text
+    from garmentimage.text.edit import (
+        PICTURES,
+        SPACE,
+        STEPS_USUAL,
+        TextEditor,
+        check_amounts,
+        checked_text,
+    )
 
     text = checked_text(options.text)
-    make_folder(options.out)
-    editor = TextEditor.load(options.space or SPACE, options.pictures or PICTURES)
+    steps = STEPS_USUAL if options.steps is None else options.steps
+    check_amounts(options.strength, steps)
+    _check_results(options.out, options.garment)
+    editor = TextEditor.load(
+        SPACE if options.space is None else options.space,
+        PICTURES if options.pictures is None else options.pictures,
+    )
     given = read_given(editor.space, options.garment, options.order)
     guidance = _guidance(options, text)
-    steps = STEPS_USUAL if options.steps is None else options.steps
     assert given.image is not None  # `LatentSpace.given` has one
     with tqdm(total=steps, unit="step", disable=None, file=sys.stderr) as bar:
         found = editor.edit(
@@ -88,9 +99,25 @@ def run_edit(options: argparse.Namespace) -> Exit:
     return _write(options, found, text)
 
 
-def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
-    from garmentimage.text.edit import denoiser_guidance, stable_guidance
+def _check_results(out: Path, garment: Path) -> None:
+    """Refuse to write over the garment that is edited.
 
+    Raises:
+        OutputError: says which.
+    """
+    check_folder(out)
+    for name in RESULTS:
+        if (out / name).exists():
+            check_output(out / name, (Path(name).suffix,), [garment])
+
+
+def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
+    from garmentimage.text.edit import checked_text, denoiser_guidance, stable_guidance
+
+    if options.negative:
+        checked_text(options.negative)
+    if options.wrap is not None:
+        checked_text(options.wrap.replace("{}", text))
     told: dict[str, Any] = {
         name: value
         for name, value in (
@@ -134,7 +161,11 @@ def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
     for name, each in (("before", before), ("edited", after)):
         if each.worn is not None:
             results[options.out / f"{name}.glb"] = worn_bytes(each.worn, ".glb")
+    make_folder(options.out)
     write_together(results)
+    for name in RESULTS:
+        if options.out / name not in results:  # what an earlier edit left
+            (options.out / name).unlink(missing_ok=True)
     return _tell(options, after)
 
 

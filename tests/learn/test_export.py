@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load_file, save_file
 
 import garmentimage
 from garmentimage.errors import LearnError
@@ -71,6 +72,16 @@ def test_what_is_no_network_is_told(made, tmp_path):
     with pytest.raises(LearnError, match="made for channels 'other-9', and this version has"):
         load_weights(GarmentVAE, tmp_path)
     (tmp_path / "config.json").write_text(config)
+    parts = load_file(folder / "model.safetensors")
+    some = dict(list(parts.items())[1:])
+    save_file(some, tmp_path / "model.safetensors")
+    with pytest.raises(LearnError, match="holds no GarmentVAE that can be read"):
+        load_weights(GarmentVAE, tmp_path)
+    save_file(
+        {name: part * torch.nan for name, part in parts.items()}, tmp_path / "model.safetensors"
+    )
+    with pytest.raises(LearnError, match="has weights that are no numbers"):
+        load_weights(GarmentVAE, tmp_path)
     (tmp_path / "model.safetensors").write_bytes(b"\x00" * 100)
     with pytest.raises(LearnError, match="holds no GarmentVAE that can be read"):
         load_weights(GarmentVAE, tmp_path)

@@ -18,12 +18,12 @@ def tiny(tmp_path_factory):
     (folder / "vocab.json").write_text(json.dumps({word: k for k, word in enumerate(words)}))
     (folder / "merges.txt").write_text("#version: 0.2\n")
     tokenizer = CLIPTokenizer(
-        str(folder / "vocab.json"), str(folder / "merges.txt"), model_max_length=16
+        str(folder / "vocab.json"), str(folder / "merges.txt"), model_max_length=96
     )
     text_encoder = CLIPTextModel(
         CLIPTextConfig(
             vocab_size=len(words), hidden_size=16, intermediate_size=16, num_hidden_layers=1,
-            num_attention_heads=2, max_position_embeddings=16,
+            num_attention_heads=2, max_position_embeddings=96,
         )
     )  # fmt: skip
     vae = AutoencoderKL(

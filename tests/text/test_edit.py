@@ -1,6 +1,8 @@
 """Editing by text from the command line and from Python, with networks trained for a moment."""
 
+import dataclasses
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -92,6 +94,12 @@ def test_a_text_that_is_about_something_else_is_told_so(trained, dress, tmp_path
         (["pants", "--guidance", "dalle"], "there is no guidance 'dalle'; choose small or sd"),
         (["pants", "--wrap", "a photo"], "needs one {} where the text goes"),
         (["pants", "--scale", "-1"], "the guidance scale is -1"),
+        (["pants", "--scale", "1e39"], "the guidance scale is 1e+39; give more than 0, up to 1000"),
+        (["pants", "--seed", str(2**64)], "the seed is 18446744073709551616; give 0 to"),
+        (["pants", "--seed", "-1"], "the seed is -1"),
+        (["long \udcff"], "has bytes that are no UTF-8"),
+        (["pants", "--negative", "a" * 600], "the text has 600 characters"),
+        (["pants", "--wrap", "a" * 600 + "{}"], "the text has 605 characters"),
         (["pants", "--model", "nowhere"], "nowhere"),
         (["pants", "--guidance", "sd", "--model", "."], "holds no Stable Diffusion model"),
     ],
@@ -103,6 +111,57 @@ def test_a_wrong_call_is_told_in_a_sentence(words, message, trained, dress, tmp_
         words = [*words, "--model", str(trained / "denoiser" / "model")]
     assert edit(trained, dress, *words, "-o", "out") != 0
     assert message in capsys.readouterr().err
+
+
+def test_braces_round_the_place_of_the_text_are_only_braces(trained, dress, tmp_path):
+    words = ["pants", "-o", tmp_path / "out", "--steps", 1, "--wrap", "{0} {x} { {}"]
+    assert edit(trained, dress, *words, "--model", trained / "denoiser" / "model") == 0
+
+
+def test_a_wrong_call_leaves_no_folder(trained, dress, tmp_path):
+    assert edit(trained, dress, "pants", "--steps", 0, "-o", tmp_path / "out") == 2
+    assert edit(trained, dress, "pants", "--model", "none", "-o", tmp_path / "out") == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_edit_does_not_write_over_the_garment_that_it_edits(trained, dress, tmp_path, capsys):
+    words = ["pants", "-o", tmp_path, "--steps", 1, "--model", trained / "denoiser" / "model"]
+    again = tmp_path / "edited.json"
+    again.write_bytes(dress.read_bytes())
+    assert edit(trained, again, *words) == 2
+    assert "edited.json: is an input" in capsys.readouterr().err
+    assert again.read_bytes() == dress.read_bytes()
+
+
+def test_nothing_of_an_earlier_edit_stays_beside_a_later_one(trained, dress, tmp_path, monkeypatch):
+    from garmentimage.text import edit as room
+
+    words = ["-o", tmp_path, "--steps", 1, "--model", trained / "denoiser" / "model"]
+    for name in ("edited.json", "edited.glb", "notes.txt"):
+        (tmp_path / name).write_text("older")
+    whole = room.TextEditor.edit
+
+    def no_pattern(self, *given, **told):
+        found = whole(self, *given, **told)
+        bad = dataclasses.replace(found.result, pattern=None, faults=("it is none",))
+        return dataclasses.replace(found, result=bad)
+
+    monkeypatch.setattr(room.TextEditor, "edit", no_pattern)
+    assert edit(trained, dress, "pants", *words) == 0
+    assert sorted(file.name for file in tmp_path.iterdir()) == [
+        "before.glb", "edited.npz", "notes.txt", "strip.png",
+    ]  # fmt: skip
+
+
+def test_networks_that_were_not_trained_together_are_refused(trained, dress, tmp_path, capsys):
+    words = ["pants", *("-o", tmp_path / "out"), *("--model", trained / "denoiser" / "model")]
+    other = tmp_path / "vae"
+    shutil.copytree(trained / "vae" / "model", other)
+    (other / "model.safetensors").write_bytes(b"other")
+    pictures = trained / "pictures" / "model"
+    told = [*words, "--space", other, "--pictures", pictures]
+    assert main(["edit", str(dress), *map(str, told)]) == 2
+    assert "was trained with another latent space than vae" in capsys.readouterr().err
 
 
 def test_networks_of_other_sizes_do_not_go_together(trained):

@@ -1,5 +1,8 @@
 """Stable Diffusion as guidance, with a tiny random pipeline that is made here."""
 
+import json
+import shutil
+
 import pytest
 import torch
 
@@ -62,6 +65,32 @@ def test_a_folder_that_is_something_else_is_refused_in_a_sentence(tiny, tmp_path
     (tmp_path / "empty").mkdir()
     with pytest.raises(LearnError, match=r"holds no Stable Diffusion model \(no model_index.json"):
         StableDiffusion(str(tmp_path / "empty"))
-    (tmp_path / "empty" / "model_index.json").write_text("{}")
+    (tmp_path / "empty" / "model_index.json").write_text("[")
     with pytest.raises(LearnError, match="is no Stable Diffusion model that can be read"):
         StableDiffusion(str(tmp_path / "empty"))
+    with pytest.raises(LearnError, match="cannot be read"):
+        StableDiffusion("a" * 5000)
+
+
+@pytest.mark.parametrize(
+    ("file", "name", "value", "message"),
+    [
+        ("model_index.json", "_class_name", "StableDiffusionXLPipeline", "is a StableDiffusionXL"),
+        ("scheduler/scheduler_config.json", "prediction_type", "sample", "predicts sample, not"),
+        ("unet/config.json", "sample_size", None, "does not guide as Stable Diffusion does"),
+        ("vae/config.json", "scaling_factor", "x", "does not guide as Stable Diffusion does"),
+    ],
+)
+def test_a_model_of_another_kind_is_refused_before_the_work(
+    file, name, value, message, tiny, tmp_path
+):
+    shutil.copytree(tiny, tmp_path / "other")
+    path = tmp_path / "other" / file
+    path.write_text(json.dumps({**json.loads(path.read_text()), name: value}))
+    with pytest.raises(LearnError, match=message):
+        StableDiffusion(str(tmp_path / "other"), device="cpu")
+
+
+def test_a_text_that_is_too_long_for_the_model_is_refused(tiny):
+    with pytest.raises(LearnError, match="tokens with what it is wrapped in, the model reads 96"):
+        StableDiffusion(str(tiny), device="cpu").told("a " * 100)

@@ -98,6 +98,9 @@ def evaluate(
         LearnError: a network cannot be read, there are too few garments, or the folder holds
             records of others.
     """
+    for each in editors:
+        _check(each)
+    items = _items(editors, str(data), garments, "validation" if validation else "test")
     told = {"data_sha256": dataset_hash(data)}
     networks = {
         each.name: told | {
@@ -107,7 +110,6 @@ def evaluate(
         for each in editors
     }  # fmt: skip
     records = Records(folder, {"garments": garments, "validation": validation}, networks)
-    items = _items(editors, str(data), garments, "validation" if validation else "test")
     found = records.gather(
         items, measured, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
     )
@@ -181,6 +183,27 @@ def _moved(editing: Editing, z: np.ndarray, text: str) -> np.ndarray:
         pull=PULL / editing.strength,
     )
     return moved.numpy()
+
+
+def _check(editing: Editing) -> None:
+    """Read the networks of an editor once, so that what does not fit is known before the work.
+
+    Raises:
+        LearnError: one cannot be read, or is not for the others.
+    """
+    if editing.kind == "caption":
+        return
+    codec_of(editing)
+    if editing.kind == "nothing":
+        return
+    pictures = _pictures(editing.pictures)
+    if pictures.config.vae_sha256 != weights_hash(Path(editing.space)):
+        raise LearnError(
+            f"{shown_path(editing.pictures)}: was trained with another latent space than "
+            f"{shown_path(editing.space)}; name two that were trained together"
+        )
+    guidance, _ = denoiser_guidance(editing.denoiser, "a dress")
+    guidance.gradient(pictures.draw(torch.zeros(1, pictures.config.latent)), "a dress", 0.0)
 
 
 @cache

@@ -15,6 +15,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from garmentimage.errors import LearnError
 from garmentimage.learn.captioned import Captioned
 
 FOLD = 2
@@ -41,6 +42,10 @@ class DenoiserConfig:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists
+        if self.picture % (FOLD * 2 ** (len(self.channels) - 1)):
+            raise LearnError(
+                f"pictures of {self.picture} pixels cannot be halved {len(self.channels)} times"
+            )
 
 
 class Denoiser(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):

@@ -30,6 +30,8 @@ class ImageDecoderConfig:
     """At 4, 8, 16, 32 and 64 pixels a side."""
     spread: float = 0.5
     """How far latent vectors are moved in training, in the encoder's own standard deviations."""
+    vae_sha256: str = ""
+    """Of the files of the VAE whose latent vectors they are (`weights_hash`)."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists

@@ -196,7 +196,8 @@ def image_decoder_lesson(wanted: Wanted) -> Lesson:
     albums = [read_album(wanted.data, split) for split in ("train", "validation")]
     encode = latents_of(wanted.vae)
     known, held_out = (worn(album, encode) for album in albums)
-    config = ImageDecoderConfig(known.latents.shape[1], known.pictures.shape[-1])
+    latent, side = known.latents.shape[1], known.pictures.shape[-1]
+    config = ImageDecoderConfig(latent, side, vae_sha256=weights_hash(wanted.vae))
     return Lesson(
         "Latent vectors to pictures",
         f"{config.latent} numbers of a GarmentImage VAE to a picture of the worn garment, "
@@ -207,7 +208,6 @@ def image_decoder_lesson(wanted: Wanted) -> Lesson:
         known,
         held_out,
         _save_halves,
-        {"vae_sha256": weights_hash(wanted.vae)},
     )
 
 

@@ -24,7 +24,9 @@ def load_weights(kind: type[Model], folder: str | Path) -> Model:
         raise LearnError(f"{shown_path(folder)}: holds no network (there is no config.json)")
     try:
         with redirect_stdout(StringIO()):  # It would tell where it loads from.
-            model = kind.from_pretrained(str(folder), local_files_only=True)  # type: ignore[attr-defined]
+            model = kind.from_pretrained(  # type: ignore[attr-defined]
+                str(folder), local_files_only=True, strict=True
+            )
     except LearnError as error:
         raise LearnError(f"{shown_path(folder)}: {error}") from None
     except Exception as error:  # What may go wrong spans four libraries.
@@ -32,4 +34,6 @@ def load_weights(kind: type[Model], folder: str | Path) -> Model:
             f"{shown_path(folder)}: holds no {kind.__name__} that can be read "
             f"({type(error).__name__}); get it again"
         ) from None
+    if not all(bool(part.isfinite().all()) for part in model.state_dict().values()):
+        raise LearnError(f"{shown_path(folder)}: has weights that are no numbers; get it again")
     return model.eval()  # type: ignore[no-any-return]

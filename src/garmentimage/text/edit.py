@@ -21,6 +21,7 @@ from garmentimage.explore.space import (
 from garmentimage.learn.image_decoder import ImageDecoder
 from garmentimage.learn.weights import load_weights
 from garmentimage.pattern.model import Pattern
+from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
 
@@ -70,7 +71,7 @@ class TextEditor:
         pictures: latent vectors and pictures of worn garments.
 
     Raises:
-        LearnError: both are not for latent vectors of one size.
+        LearnError: they were not trained together.
     """
 
     def __init__(self, space: LatentSpace, pictures: ImageDecoder) -> None:
@@ -78,6 +79,12 @@ class TextEditor:
             raise LearnError(
                 f"{space.folder.name} has latent vectors of {space.latent} numbers, the picture "
                 f"network takes {pictures.config.latent}; name two that were trained together"
+            )
+        of = pictures.config.vae_sha256
+        if of and of != weights_hash(space.folder):
+            raise LearnError(
+                f"the picture network was trained with another latent space than "
+                f"{space.folder.name}; name two that were trained together"
             )
         self.space, self.pictures = space, pictures.eval()
 
@@ -174,7 +181,7 @@ def denoiser_guidance(
     """
     from garmentimage.text.small import SCALE, SmallDiffusion
 
-    folder = network_folder(name or DENOISER, denoiser_names(), "denoiser")
+    folder = network_folder(DENOISER if name is None else name, denoiser_names(), "denoiser")
     model = SmallDiffusion(folder)
     guidance = ScoreDistillation(model, **{"scale": SCALE, "only_text": True, **told})
     return guidance, model.familiar(text)
@@ -193,16 +200,20 @@ def stable_guidance(model: str | None, **told: Any) -> ScoreDistillation:
     from garmentimage.text.stable import DEFAULT, SCALE, WRAPPED, StableDiffusion
 
     usual = {"scale": SCALE, "wrapped": WRAPPED, "noises": 1}
-    return ScoreDistillation(StableDiffusion(model or DEFAULT), **{**usual, **told})
+    return ScoreDistillation(
+        StableDiffusion(DEFAULT if model is None else model), **{**usual, **told}
+    )
 
 
 def checked_text(text: str) -> str:
     """A text in one line without spaces around it.
 
     Raises:
-        LearnError: it says nothing, or too much.
+        LearnError: it says nothing, or too much, or is no text.
     """
     words = " ".join(text.split())
+    if any("\ud800" <= character <= "\udfff" for character in words):
+        raise LearnError(f"the text {quoted(words)} has bytes that are no UTF-8; type it anew")
     if not any(character.isalnum() for character in words):
         raise LearnError(f"the text {quoted(words)} says nothing; say what the garment should be")
     if len(words) > MOST_TEXT:

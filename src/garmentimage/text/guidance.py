@@ -6,7 +6,6 @@ is the gradient. The same code drives every diffusion model; they differ in the 
 in.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -19,6 +18,7 @@ from garmentimage.errors import LearnError
 
 Pictures = Float[Tensor, "n 3 pixel_row pixel_col"]
 """Colours from 0 to 1, the lowest row of pixels first."""
+MOST_SCALE, MOST_SEED = 1000.0, 2**63 - 1
 
 
 class Guidance(Protocol):
@@ -102,8 +102,12 @@ class ScoreDistillation:
     ) -> None:
         if wrapped.count("{}") != 1:
             raise LearnError(f"the wrapping {wrapped!r} needs one {{}} where the text goes")
-        if not (math.isfinite(scale) and scale > 0):
-            raise LearnError(f"the guidance scale is {scale}; give more than 0")
+        if not 0 < scale <= MOST_SCALE:
+            raise LearnError(
+                f"the guidance scale is {scale:g}; give more than 0, up to {MOST_SCALE:g}"
+            )
+        if not 0 <= seed <= MOST_SEED:
+            raise LearnError(f"the seed is {seed}; give 0 to {MOST_SEED}")
         self.diffusion, self.scale, self.wrapped = diffusion, scale, wrapped
         self.schedule, self.only_text, self.noises = schedule, only_text, noises
         self.generator = torch.Generator().manual_seed(seed)
@@ -126,7 +130,7 @@ class ScoreDistillation:
         """The gradient in the model's own space, for given times and noise."""
         alpha, sigma = (share.to(hidden) for share in self.diffusion.shares(times))
         noisy = alpha * hidden + sigma * noise
-        said = self.diffusion.noise(noisy, times, self._told(self.wrapped.format(text)))
+        said = self.diffusion.noise(noisy, times, self._told(self.wrapped.replace("{}", text)))
         unsaid = self.diffusion.noise(noisy, times, self._told(self._negative))
         start = torch.zeros_like(noise) if self.only_text else unsaid - noise
         return sigma**2 * (start + self.scale * (said - unsaid))
@@ -159,6 +163,9 @@ def descent(
         rate: of Adam.
         pull: how much the squared distance from the start costs.
         progress: called after every step.
+
+    Raises:
+        LearnError: the guidance gives what is no number.
     """
     z = start.clone().requires_grad_()
     optimizer = torch.optim.Adam([z], rate, betas=(0.9, 0.99))
@@ -169,5 +176,10 @@ def descent(
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
+        if not z.isfinite().all():
+            raise LearnError(
+                f"the guidance gives no numbers any more (step {step + 1}); try a smaller scale, "
+                "or another model"
+            )
         progress(step + 1, z.detach().clone())
     return z.detach()

@@ -9,8 +9,10 @@ from jaxtyping import Float
 from torch import Tensor
 
 from garmentimage.dataset.wording import every_phrase
+from garmentimage.errors import LearnError
+from garmentimage.files import shown_path
 from garmentimage.learn.denoiser import Denoiser, shares
-from garmentimage.learn.sentences import embedded
+from garmentimage.learn.sentences import SIZE, embedded
 from garmentimage.learn.weights import load_weights
 from garmentimage.text.guidance import Pictures
 
@@ -29,9 +31,24 @@ class SmallDiffusion:
 
     def __init__(self, folder: str | Path) -> None:
         self.model = load_weights(Denoiser, folder)
+        if self.model.config.text != SIZE:
+            raise LearnError(
+                f"{shown_path(folder)}: is told texts of {self.model.config.text} numbers, the "
+                f"sentence encoder gives {SIZE}; get it again"
+            )
 
     def hidden(self, pictures: Pictures) -> Tensor:
-        """Colours from -1 to 1."""
+        """Colours from -1 to 1.
+
+        Raises:
+            LearnError: pictures of another size than it was trained on.
+        """
+        wanted, side = self.model.config.picture, pictures.shape[-1]
+        if side != wanted:
+            raise LearnError(
+                f"the denoiser is for pictures of {wanted} pixels, the picture network draws "
+                f"{side}; name two that were trained on one dataset"
+            )
         return 2 * pictures - 1
 
     def shares(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:

@@ -15,6 +15,8 @@ from garmentimage.text.guidance import Pictures
 DEFAULT = "stable-diffusion-v1-5/stable-diffusion-v1-5"
 SCALE, WRAPPED = 30.0, "a photo of a person wearing {}, plain white background"
 """How much more a text counts than its absence, and what it is wrapped in."""
+PREDICTED = "epsilon", "v_prediction"
+"""What a model may say of a noisy picture."""
 
 
 class StableDiffusion:
@@ -25,7 +27,8 @@ class StableDiffusion:
         device: where it runs; half precision on a GPU.
 
     Raises:
-        LearnError: `diffusers` is not installed, or the model is not there and cannot be had.
+        LearnError: `diffusers` is not installed, the model is not there and cannot be had, or is
+            of another kind.
     """
 
     def __init__(self, model: str = DEFAULT, device: str | None = None) -> None:
@@ -37,7 +40,29 @@ class StableDiffusion:
         for part in (self.pipe.vae, self.pipe.unet, self.pipe.text_encoder):
             part.requires_grad_(False).eval()
         self.kind = kind
+        try:
+            self._try_out()
+        except LearnError as error:
+            raise LearnError(f"{shown_path(model)}: {error}") from None
+        except Exception as error:  # Parts that do not fit each other fail in many ways.
+            raise LearnError(
+                f"{shown_path(model)}: does not guide as Stable Diffusion does "
+                f"({type(error).__name__}); download {DEFAULT} and give its folder"
+            ) from None
+
+    @torch.no_grad()
+    def _try_out(self) -> None:
+        """Code, tell and denoise once, so that what does not fit is known before the work."""
+        if self.pipe.scheduler.config.prediction_type not in PREDICTED:
+            raise LearnError(
+                f"predicts {self.pipe.scheduler.config.prediction_type}, not "
+                f"{' or '.join(PREDICTED)}; download {DEFAULT} and give its folder"
+            )
         self.kept = self.pipe.scheduler.alphas_cumprod.to(self.device)
+        times = torch.full((1,), 0.5)
+        hidden = self.hidden(torch.zeros(1, 3, 8, 8))
+        if self.noise(hidden, times, self.told("")).shape != hidden.shape:
+            raise ValueError
 
     @property
     def size(self) -> int:
@@ -58,14 +83,21 @@ class StableDiffusion:
 
     @torch.no_grad()
     def told(self, text: str) -> Tensor:
-        """What its text encoder makes of a text."""
+        """What its text encoder makes of a text.
+
+        Raises:
+            LearnError: the text is longer than it reads.
+        """
+        most = int(self.pipe.text_encoder.config.max_position_embeddings)
         tokens = self.pipe.tokenizer(
-            [text],
-            padding="max_length",
-            max_length=self.pipe.tokenizer.model_max_length,
-            truncation=True,
-            return_tensors="pt",
+            [text], padding="max_length", max_length=most, return_tensors="pt"
         )
+        count = tokens.input_ids.shape[1]
+        if count > most:
+            raise LearnError(
+                f"the text has {count} tokens with what it is wrapped in, the model reads {most}; "
+                "make it shorter"
+            )
         found: Tensor = self.pipe.text_encoder(tokens.input_ids.to(self.device))[0]
         return found
 
@@ -99,13 +131,22 @@ def _pipeline(model: str) -> Any:
         logging.disable_progress_bar()
     from diffusers import StableDiffusionPipeline
 
-    is_folder = Path(model).is_dir()
+    try:
+        is_folder = Path(model).is_dir()
+    except OSError as error:
+        raise LearnError(f"{shown_path(model)}: cannot be read ({error.strerror})") from None
     if is_folder and not (Path(model) / "model_index.json").is_file():
         raise LearnError(
             f"{shown_path(model)}: holds no Stable Diffusion model (no model_index.json); give a "
             "folder that diffusers saved"
         )
     try:
+        told = StableDiffusionPipeline.load_config(model, local_files_only=is_folder)
+        if told.get("_class_name") != StableDiffusionPipeline.__name__:
+            raise LearnError(
+                f"{shown_path(model)}: is a {told.get('_class_name')}, no Stable Diffusion 1 or 2; "
+                f"download {DEFAULT} and give its folder"
+            )
         return StableDiffusionPipeline.from_pretrained(
             model,
             safety_checker=None,
@@ -115,6 +156,8 @@ def _pipeline(model: str) -> Any:
             local_files_only=is_folder,
             low_cpu_mem_usage=False,
         )
+    except LearnError:
+        raise
     except Exception as error:  # What may go wrong spans four libraries and the network.
         raise LearnError(
             f"{shown_path(model)}: is no Stable Diffusion model that can be read, or cannot be "
