@@ -7,8 +7,8 @@ import torch
 from garmentimage.explore.space import step_of
 from garmentimage.learn.cascade import sure_maps
 from garmentimage.learn.garment_vae import to_channels
-from garmentimage.learn.pictured import Pictured, read_album
-from garmentimage.learn.recombine import WAIST, recombined, repainted
+from garmentimage.learn.pictured import Pictured, read_album, waist_rows
+from garmentimage.learn.recombine import recombined, repainted
 
 
 @pytest.fixture(scope="module")
@@ -26,9 +26,9 @@ def test_a_new_garment_has_one_half_of_its_own_and_one_of_another(joined):
     kept = (found.inside == batch.inside).all(3).all(1)  # by row of the grid
     kept_upper, kept_lower = kept[:, 9:].all(1), kept[:, :8].all(1)
     assert (kept_upper | kept_lower).all()
-    line = round(WAIST * 128)
     same = (found.pictures == batch.pictures).all(1) & (found.cloth == batch.cloth)
-    above, below = same[:, line:].flatten(1).all(1), same[:, :line].flatten(1).all(1)
+    is_above = torch.arange(128)[:, None] >= found.waist[:, None]
+    above, below = ((same | ~half).flatten(1).all(1) for half in (is_above, ~is_above))
     assert (above | below).all() and not (above & below)[new].all()
 
 
@@ -38,7 +38,7 @@ def test_others_stay_as_they_are(joined):
     torch.manual_seed(0)
     none, chosen = recombined(batch, 0.0)
     assert not chosen.any()
-    for name in ("pictures", "cloth", "inside", "types", "vectors"):
+    for name in ("pictures", "cloth", "waist", "inside", "types", "vectors"):
         assert torch.equal(getattr(none, name), getattr(batch, name))
         assert torch.equal(getattr(found, name)[~new], getattr(batch, name)[~new])
 
@@ -61,6 +61,7 @@ def test_a_garment_without_a_seam_at_the_waist_gives_nothing():
     batch = Pictured(
         torch.zeros(4, 3, 128, 128, dtype=torch.uint8),
         torch.zeros(4, 128, 128, dtype=torch.bool),
+        torch.full((4, 128), 78, dtype=torch.int16),
         inside,
         types,
         torch.zeros(4, 16, 16, 16, dtype=torch.float16),
@@ -72,12 +73,28 @@ def test_a_garment_without_a_seam_at_the_waist_gives_nothing():
     assert torch.equal(found.types[1:], types[:1].expand(3, -1, -1, -1))
 
 
+def test_the_seam_is_found_in_the_map_of_panels_and_pictures_are_cut_along_it():
+    panels = np.zeros((128, 128), np.uint8)
+    panels[100:, 60:68] = 1  # the body
+    panels[20:77, 40:90], panels[77:100, 40:90] = 2, 3
+    panels[79, 50:60] = 2  # the lower panel reaches up
+    panels[20:77, 65:] = np.where(panels[20:77, 65:] == 2, 4, 0)  # legs
+    panels[77:79, 50:60] = 2
+    rows = waist_rows(panels)
+    assert rows.dtype == np.int16 and rows.shape == (128,)
+    assert (rows[50:60] == 80).all() and (np.delete(rows, range(50, 60)) == 77).all()
+    panels[panels > 1] = 2
+    assert (waist_rows(panels) == 78).all()  # no seam
+    assert (waist_rows(np.zeros((64, 64), np.uint8)) == 39).all()
+
+
 def test_repainted_cloth_keeps_its_folds():
     torch.manual_seed(0)
     grey = (255 * torch.rand(20, 1, 16, 16)).to(torch.uint8).expand(-1, 3, -1, -1)
     empty = torch.zeros(20, 2, 16, 16)
     cloth = torch.ones(20, 16, 16, dtype=torch.bool)
-    batch = Pictured(grey, cloth, empty, empty, empty)
+    waist = torch.full((20, 16), 9, dtype=torch.int16)
+    batch = Pictured(grey, cloth, waist, empty, empty, empty)
     found = repainted(batch, torch.zeros(20, dtype=torch.bool), 1.0)
     assert found.min() >= 0 and found.max() <= 1
     order = grey.flatten(2).argsort(2)
@@ -92,11 +109,12 @@ def test_new_garments_have_cloth_of_two_colours_and_others_of_one():
     cloth = torch.zeros(40, 128, 128, dtype=torch.bool)
     cloth[:, 20:110, 40:90] = True
     empty = torch.zeros(40, 2, 16, 16)
-    batch = Pictured(grey, cloth, empty, empty, empty)
+    line = 77
+    waist = torch.full((40, 128), line, dtype=torch.int16)
+    batch = Pictured(grey, cloth, waist, empty, empty, empty)
     new = torch.arange(40) < 20
     found = repainted(batch, new, 1.0)
     assert torch.equal(found[:, :, :20], batch.seen()[:, :, :20])  # skin and page stay
-    line = round(WAIST * 128)
     below, above = found[:, :, line - 1, 60], found[:, :, line, 60]
     assert (below != above).any(1)[new].all() and torch.equal(below[~new], above[~new])
     assert len(torch.unique(above, dim=0)) == 40

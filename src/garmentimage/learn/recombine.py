@@ -1,11 +1,12 @@
 """New garments from two of a batch: one above the waist, another below, sewn to each other.
 
 All GarmentImages stand on one grid, and all pictures of a recipe on one body, so both can be cut
-along the body's waist. Where one garment has a waist seam and another is as many cells wide there,
-the upper half of either, sewn to the lower half of the other, is a garment again: the bodice of a
-dress above the legs of a top with trousers. Networks that are taught with such garments do not take
-it for granted that parts go together only as they did in training; cloth in other colours keeps
-them from telling kinds by colour. (Not in the paper.)
+at the waist: pictures along the seam, so that nothing in them tells which were joined. Where one
+garment has a waist seam and another is as many cells wide there, the upper half of either, sewn to
+the lower half of the other, is a garment again: the bodice of a dress above the legs of a top with
+trousers. Networks that are taught with such garments do not take it for granted that parts go
+together only as they did in training; cloth in other colours keeps them from telling kinds by
+colour. (Not in the paper.)
 """
 
 import torch
@@ -16,11 +17,6 @@ from garmentimage.learn.pictured import Pictured
 from garmentimage.learn.rasters import LAYERS
 from garmentimage.raster.image import EdgeType
 
-WAIST = 0.615
-"""Where the waist is in pictures of the recipes, as a share of their height from below.
-
-Bodies differ by a hundredth or two.
-"""
 LINES = 0.5, 0.5625
 """Grid lines that waist seams are on, as shares of the grid's height from below."""
 LEAST_CELLS = 2
@@ -51,7 +47,10 @@ def recombined(batch: Pictured, share: float) -> tuple[Pictured, Bool[Tensor, " 
     # One that is sewn at another line would keep that seam beside the new one.
     takes = ~(sewn.sum(0) > sewn)
     other = ~torch.eye(count, dtype=torch.bool, device=device)
-    fit = alike & sewn[:, None] & takes[:, :, None] & other  # line, taker, giver
+    # The seams of both must lie at one height in the pictures.
+    height = batch.waist.float().median(1).values
+    level = (height[:, None] == height) | ~sewn[:, :, None]
+    fit = alike & sewn[:, None] & takes[:, :, None] & level & other  # line, taker, giver
     likely = torch.rand(fit.shape, device=device) * fit
     best, which = likely.permute(1, 0, 2).flatten(1).max(1)
     new = chosen & (best > 0)
@@ -94,8 +93,8 @@ def _joined(
     rows = torch.arange(grid, device=line.device)
     is_upper = rows >= line[:, None]
     taken = (is_upper == takes_upper[:, None])[:, None, :, None]
-    seen = torch.arange(pixels, device=line.device) >= round(WAIST * pixels)
-    shown = (seen[None] == takes_upper[:, None])[:, None, :, None]
+    seen = torch.arange(pixels, device=line.device)[:, None] >= given.waist[:, None]
+    shown = (seen == takes_upper[:, None, None])[:, None]
     # The bottom edges of the row above the line are the seam: always of the giver.
     seam = (rows == line[:, None])[:, None, :, None]
     bottom = torch.arange(2 * LAYERS, device=line.device)[:, None, None] % 2 == 0
@@ -103,6 +102,7 @@ def _joined(
     return Pictured(
         torch.where(one & shown, given.pictures, batch.pictures),
         torch.where((one & shown)[:, 0], given.cloth, batch.cloth),
+        torch.where(new[:, None], given.waist, batch.waist),
         torch.where(one & taken, given.inside, batch.inside),
         torch.where(one & (taken | (seam & bottom)), given.types, batch.types),
         torch.where(one & taken, given.vectors, batch.vectors),
@@ -124,13 +124,19 @@ def repainted(
     """
     seen = batch.seen()
     some = torch.where(new | (torch.rand(len(new), device=new.device) < share))[0]
-    here, count, rows = seen[some], len(some), torch.arange(seen.shape[-2], device=new.device)
-    second = (rows < round(WAIST * len(rows))) & new[some, None]
-    # Two sets of colours for each garment, and which of them each row of pixels has.
-    sets = 2 * torch.arange(count, device=new.device)[:, None] + second
-    order = torch.rand(2 * count, 3, device=new.device).argsort(1)[sets].transpose(1, 2)
-    power = (2 * torch.rand(2 * count, 1, device=new.device) - 1)[sets].transpose(1, 2) * DARKER
-    tint = (-TINT * torch.rand(2 * count, 3, device=new.device)).exp()[sets].transpose(1, 2)
-    other = here.gather(1, order[..., None].expand_as(here)).clamp(min=1e-4)
-    other = other ** power.exp()[..., None] * tint[..., None]
+    here, joined = seen[some], new[some]
+    other = _in_other_colours(here)
+    rows = torch.arange(seen.shape[-2], device=new.device)[:, None]
+    below = (rows < batch.waist[some[joined], None])[:, None]
+    other[joined] = torch.where(below, _in_other_colours(here[joined]), other[joined])
     return seen.index_copy(0, some, torch.where(batch.cloth[some, None], other, here))
+
+
+def _in_other_colours(
+    seen: Float[Tensor, "n 3 pixel_row pixel_col"],
+) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
+    count, device = len(seen), seen.device
+    order = torch.rand(count, 3, device=device).argsort(1)[..., None, None]
+    power = ((2 * torch.rand(count, 1, 1, 1, device=device) - 1) * DARKER).exp()
+    tint = (-TINT * torch.rand(count, 3, 1, 1, device=device)).exp()
+    return seen.gather(1, order.expand_as(seen)).clamp(min=1e-4) ** power * tint
