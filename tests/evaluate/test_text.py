@@ -96,6 +96,30 @@ def test_a_wrong_call_is_told_in_a_sentence(words, message, tmp_path, capsys):
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "folder", "message"),
+    [
+        ("--vectors", "pictures", "pictures/model/words.json: is not there, or damaged"),
+        ("--pictures", "vector-pictures", "was trained with another latent space than"),
+        ("--denoiser", "pictures", "pictures/model: holds no Denoiser that can be read"),
+        ("--vector-pictures", "pictures", "was trained with another latent space than"),
+    ],
+)
+def test_networks_that_will_not_do_are_told_before_the_work(
+    name, folder, message, trained, tmp_path, capsys
+):
+    chosen = {
+        "--space": "vae", "--pictures": "pictures", "--denoiser": "denoiser",
+        "--vectors": "vector-vae", "--vector-pictures": "vector-pictures", name: folder,
+    }  # fmt: skip
+    words = ["--data", trained / "data", "--steps", 1, "--edited", 1, "-o", tmp_path / "out"]
+    for option, network in chosen.items():
+        words += [option, trained / network / "model"]
+    assert main(["evaluate", "edit", *map(str, words)]) == 2
+    assert message in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
 def test_a_garment_that_is_wide_already_is_not_asked_to_be_wide():
     wide = traits(draft("one-panel-dress", flare=0.5))
     assert not is_asked(BY_TEXT["wide"], wide) and is_asked(BY_TEXT["narrow"], wide)

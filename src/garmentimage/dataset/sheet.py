@@ -38,7 +38,10 @@ def summary_of(folder: Path) -> dict[str, Any]:
             f"{shown_path(folder)}: holds no finished dataset; `garmentimage build` makes one"
         ) from None
     except OSError as error:
-        raise DatasetError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
+        raise DatasetError(
+            f"{shown_path(file)}: cannot be read ({error.strerror}); name a folder that "
+            "`garmentimage build` made"
+        ) from None
     except (ValueError, RecursionError):
         raise DatasetError(
             f"{shown_path(file)}: is damaged; remove it and build the dataset again"
