@@ -48,6 +48,15 @@ def test_what_is_said_without_error_is_the_garment():
             assert np.allclose(placed[0], placed[1], atol=0.01)
 
 
+def test_slots_keep_the_outline_of_a_panel_with_a_hole():
+    whole, holed = (draft("one-panel-dress", cutout=place) for place in ("none", "front"))
+    assert holed.by_name["front"].holes
+    words = slot_words([whole])
+    one, other = slot_vectors([whole], words), slot_vectors([holed], words)
+    for name, value in vars(one).items():
+        assert torch.equal(value, getattr(other, name)), name
+
+
 def test_slots_without_a_panel_are_no_garment():
     truth = slot_vectors(GARMENTS[:1], WORDS)
     nothing = replace(said(truth), edges=torch.zeros_like(truth.edges))

@@ -121,10 +121,10 @@ class SlotVectors:
 
 
 def slot_vectors(patterns: Sequence[Pattern], words: SlotWords) -> SlotVectors:
-    """Garments as tensors.
+    """Garments as tensors; slots have no place for holes.
 
     Raises:
-        LearnError: one has a panel that is in no slot, has too many edges, or holes.
+        LearnError: one has a panel that is in no slot, or has too many edges.
     """
     shape = (len(patterns), len(words.names), words.edges)
     edges, counts = np.zeros((*shape, ROW)), np.zeros(shape[:2], int)
@@ -133,7 +133,7 @@ def slot_vectors(patterns: Sequence[Pattern], words: SlotWords) -> SlotVectors:
     for n, pattern in enumerate(patterns):
         for panel in pattern.panels:
             count = len(panel.outline.edges)
-            if panel.name not in words.names or panel.holes or count > words.edges:
+            if panel.name not in words.names or count > words.edges:
                 raise LearnError(f"panel {quoted(panel.name)} fits in none of the slots")
             at = n, words.names.index(panel.name)
             counts[at] = count
@@ -141,6 +141,10 @@ def slot_vectors(patterns: Sequence[Pattern], words: SlotWords) -> SlotVectors:
             rotations[at] = quaternion(panel)
             translations[at] = universal_translation(panel) - CENTRE
         for stitch in pattern.stitches:
+            if any(
+                side.edge >= len(pattern.by_name[side.panel].outline.edges) for side in stitch.sides
+            ):
+                continue  # of a hole
             middle = np.mean([_middle(pattern, side) for side in stitch.sides], axis=0)
             for side in stitch.sides:
                 place = n, words.names.index(side.panel), side.edge
