@@ -112,4 +112,5 @@ def _write_fault(fault: str, ax: "Axes") -> None:
         va="bottom",
         transform=ax.transAxes,
         parse_math=False,
+        bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85},
     )
