@@ -92,11 +92,19 @@ def by_parameter(data: Path, records: Path) -> dict[str, Any]:
             for k in range(len(FIFTHS) - 1)
         ]
     is_exact = topology == 1
+    wrong: dict[int, list[float]] = {}
+    for record in (record for n in numbers for record in rows[n]):
+        if not record["topology"]:
+            wrong.setdefault(record["panels found"], []).append(record["panel_iou"])
     return {
         "garments": len(numbers),
         "seams right with all seeds": round(float(is_exact.mean()), 4),
         "panel IoU of these": round(float(iou[is_exact].mean()), 4),
         "panel IoU of the others": round(float(iou[~is_exact].mean()), 4),
+        "seams wrong, by panels found, of all seeds": {
+            panels: {"garments": len(found), "panel IoU": round(float(np.mean(found)), 4)}
+            for panels, found in sorted(wrong.items())
+        },
         "fifths": fifths,
     }
 
