@@ -1,4 +1,4 @@
-# make demo    encode, decode, drape and draw the bundled patterns
+# make demo    a picture to a pattern; the bundled patterns encoded, decoded, draped and drawn
 # make test    all tests that need no pattern files by others: some minutes
 # make check   format, lint, types, quick tests: before every commit
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
@@ -43,6 +43,13 @@ picture: $(VENV)/ready
 		$(BIN)/garmentimage draft $$kind -o out/$$kind.json; done
 	$(BIN)/garmentimage transfer out/one-panel-jumpsuit.json out/top-pants.json \
 		out/one-panel-dress.json -o out/edit && cp out/edit/strip.png docs/edit.png
+	$(BIN)/garmentimage draft top-skirt --sleeves set-in --sleeve-length 0.6 --neckline v \
+		--skirt-flare 0.3 --skirt-length 0.6 -o out/worn.json
+	$(BIN)/garmentimage drape out/worn.json -o out/worn.glb
+	$(BIN)/garmentimage render out/worn.glb --size 512 --colour top=teal bottom=darkslateblue \
+		-o src/garmentimage/examples/worn.png
+	$(BIN)/garmentimage predict src/garmentimage/examples/worn.png -o out/picture && \
+		cp out/picture/worn.png docs/from-a-picture.png
 
 explore: $(VENV)/ready-dev
 	set -e; for each in "topology 5000 40 60" "darts 5000 40 60" "variety 10000 24 30"; do \

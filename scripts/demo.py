@@ -1,15 +1,17 @@
-"""Encode and decode the bundled patterns, drape two, draw it all, and say what was made where."""
+"""A bundled picture to a pattern and its drape; bundled patterns to images and back; all drawn."""
 
+import io
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 
 import garmentimage as gi
-from garmentimage.examples import example_names, example_path
+from garmentimage.cli import main as run
+from garmentimage.examples import example_names, example_path, example_picture
 from garmentimage.metrics import judge
 from garmentimage.render.flat import seam_numbers
 from garmentimage.render.show import show
@@ -28,19 +30,36 @@ def main(folder: Path) -> int:
     print("Compiling, the first time only: about a minute ...", flush=True)
     # Draping compiles other code than encoding, so both are done at once.
     with ProcessPoolExecutor(1) as other:
+        found = other.submit(predict, folder)
         worn = {name: other.submit(wear, name, folder) for name in WORN}
-        failed = encode_and_decode(folder)
+        told = io.StringIO()
+        with redirect_stdout(told):
+            failed = encode_and_decode(folder)
+        print(found.result(), told.getvalue(), sep="\n")
         for name, pictures in worn.items():
             draw_worn(name, pictures.result(), folder)
     print("\nImages keep no notches and no names of edges: docs/formats.md says what else.")
     return int(failed > 0)
 
 
+def predict(folder: Path) -> str:
+    """The pattern of the garment in the bundled picture; what came of it."""
+    picture, told = example_picture(), io.StringIO()
+    with redirect_stdout(told):
+        failed = run(["predict", str(picture), "-o", str(folder)])
+    if failed:
+        raise SystemExit(failed)
+    name = folder / picture.stem
+    return (
+        f"\nFrom the picture {picture.name} to a pattern: {told.getvalue().strip()}\n"
+        f"  {name}.json  the pattern that the network found in the picture\n"
+        f"  {name}.glb   that pattern, draped\n"
+        f"  {name}.png   picture, pattern, GarmentImage and drape beside each other"
+    )
+
+
 def encode_and_decode(folder: Path) -> int:
     """Encode and decode the bundled patterns and draw each way; how many do not come back."""
-    start = perf_counter()
-    gi.decode(gi.encode(gi.load_pattern(example_path(example_names()[0])), grid=GRID))
-    print(f"Ready after {perf_counter() - start:.0f} s.")
     failed = 0
     for name in example_names():
         pattern = gi.load_pattern(example_path(name))

@@ -12,13 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from PIL import Image
 
 from garmentimage.body.measurements import NAMES, BodyMeasurements
 from garmentimage.cli import main
 from garmentimage.drape.fabric import FABRICS
 from garmentimage.drape.judge import DEEPEST, MOST_SLID, MOST_STRAIN
 from garmentimage.drape.worn import DrapeReport
-from garmentimage.examples import example_path
+from garmentimage.examples import example_path, example_picture
 from garmentimage.geometry.polygons import centroid
 from garmentimage.pattern.spec import load_pattern, pattern_from_spec, pattern_to_spec
 from garmentimage.raster.decode import decode
@@ -32,6 +33,7 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BODIES = (ROOT / "docs" / "bodies.md").read_text(encoding="utf-8")
 DRAPE = (ROOT / "docs" / "drape.md").read_text(encoding="utf-8")
+PREDICT = (ROOT / "docs" / "predict.md").read_text(encoding="utf-8")
 EXPLORE = (ROOT / "docs" / "explore.md").read_text(encoding="utf-8")
 METRICS = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
@@ -190,3 +192,19 @@ def test_the_code_on_metrics_runs_as_written(tmp_path, monkeypatch, capsys):
         exec(code, names)
     told = capsys.readouterr().out
     assert "Interval(mean=" in told and "aipparel {" in told
+
+
+@pytest.mark.slow
+def test_what_is_said_of_predicting_runs_as_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(example_picture(), "photo.png")
+    Image.open(example_picture()).convert("RGB").save("other.jpg")
+    for line in blocks(PREDICT, "sh")[0].splitlines():
+        assert main(shlex.split(line)[1:]) == 0, line
+    assert {file.suffix for file in Path("out", "predicted").glob("photo.*")} == {
+        ".json", ".npz", ".glb", ".png",
+    }  # fmt: skip
+    (code,) = blocks(PREDICT, "python")
+    exec(code, {})
+    confidence, faults, _ = capsys.readouterr().out.splitlines()[-1].split()
+    assert float(confidence) > 0.5 and faults == "()"

@@ -3,6 +3,9 @@
 dress: a one-piece dress with short sleeves. darted_shirt: a fitted shirt with waist and bust
 darts. trousers: straight trousers with a waistband. cutout_top: a sleeveless top with a hole in
 the front. `scripts/draw_examples.py` draws them.
+
+worn.png is the picture of a worn garment, drafted and draped by the package, that its networks
+were not trained on; `make picture` makes it.
 """
 
 from pathlib import Path
@@ -24,3 +27,8 @@ def example_path(name: str) -> Path:
     if name not in example_names():
         raise KeyError(f"no example {name!r}; there are {', '.join(example_names())}")
     return _FOLDER / f"{name}.json"
+
+
+def example_picture() -> Path:
+    """Where the bundled picture lies."""
+    return _FOLDER / "worn.png"
