@@ -219,6 +219,20 @@ def test_seeds_of_one_name_count_as_one_garment_each():
     assert told["panel_iou by seed"] == {"ours c-0": 0.6, "ours c-1": 0.8}
 
 
+def test_figures_are_told_of_each_type_where_there_are_several():
+    guesser = Guesser("ours", "cascade", "runs/c-0/model")
+    items = [Item(guesser, "d", "", "test", n, False) for n in range(4)]
+    record = {"draped": None, "fault": "", "repairs": {}, "panels found": 2, "topology": 1.0}
+    records = {
+        item: record | {"panel_iou": 0.25 * item.number, "type": "skirt" if item.number else "tee"}
+        for item in items
+    }
+    told = summary(items, records)["ours"]["seen"]["by type"]
+    assert list(told) == ["skirt", "tee"] and told["tee"]["panel_iou"]["mean"] == 0
+    assert told["skirt"]["panel_iou"]["n"] == 3
+    assert told["skirt"]["panel_iou"]["mean"] == pytest.approx(0.5)
+
+
 def test_parts_are_those_of_the_first_cascade(tmp_path):
     assert [g.name for g in with_parts([Guesser("pool", "slots", "x")])] == [
         "pool", "nearest picture", "another of its type",

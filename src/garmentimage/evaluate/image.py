@@ -36,6 +36,8 @@ TIME_LIMIT_S = 300.0
 OPENED = "opened.jsonl"
 """When the test splits were looked at, and by what."""
 CALLED = {"test": "seen", "unseen": "unseen"}
+BY_TYPE = "panel_iou", "topology"
+"""Figures that are also told of the garments of each type."""
 
 
 @dataclass(frozen=True)
@@ -195,6 +197,13 @@ def summary(
             figures["panel_iou by seed"] = {
                 key: round(float(np.mean(values)), 4)
                 for key, values in sorted(seeds[name, split].items())
+            }
+        types: defaultdict[str, list[Sequence[Mapping[str, Any]]]] = defaultdict(list)
+        for records_of_one in rows.values():
+            types[records_of_one[0]["type"]].append(records_of_one)
+        if len(types) > 1:
+            figures["by type"] = {
+                each: {key: _figures(types[each])[key] for key in BY_TYPE} for each in sorted(types)
             }
         told.setdefault(name, {})[split] = figures
     return told
