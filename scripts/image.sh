@@ -57,3 +57,5 @@ done
     -o "runs/image-$recipe"
 
 "$run" train cascade --data "data/$recipe" --epochs 32 --precision bf16-mixed -o runs/image-wide
+"$run" evaluate image --recipe "$recipe" --network wide=runs/image-wide --seen 500 --parts 200 --draped 100 \
+    -o runs/image-wide-figures
