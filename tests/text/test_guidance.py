@@ -134,3 +134,25 @@ def test_the_small_model_sees_noise_and_knows_strange_texts(tmp_path):
     near, phrase = model.familiar("with really long sleeves")
     assert near > 0.7 and "long" in phrase
     assert model.familiar("quarterly tax report of a bank")[0] < 0.35
+
+
+def test_a_text_is_told_within_what_it_is_wrapped_in_braces_and_all():
+    heard = []
+
+    class Heard:
+        def hidden(self, pictures):
+            return pictures * 1
+
+        def shares(self, times):
+            ones = torch.ones(len(times), 1, 1, 1)
+            return ones, ones
+
+        def told(self, text):
+            heard.append(text)
+
+        def noise(self, noisy, times, told):
+            return noisy
+
+    guidance = ScoreDistillation(Heard(), wrapped="{0} { {} }", negative="no {}")
+    guidance.gradient(torch.zeros(1, 3, 4, 4), "a {b}", 0.0)
+    assert sorted(heard) == ["no {}", "{0} { a {b} }"]

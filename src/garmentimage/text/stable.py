@@ -17,6 +17,8 @@ SCALE, WRAPPED = 30.0, "a photo of a person wearing {}, plain white background"
 """How much more a text counts than its absence, and what it is wrapped in."""
 PREDICTED = "epsilon", "v_prediction"
 """What a model may say of a noisy picture."""
+UNFIT = (AttributeError, IndexError, TypeError, ValueError, ArithmeticError, RuntimeError)
+"""What parts raise that do not fit each other."""
 
 
 class StableDiffusion:
@@ -44,11 +46,15 @@ class StableDiffusion:
             self._try_out()
         except LearnError as error:
             raise LearnError(f"{shown_path(model)}: {error}") from None
-        except Exception as error:  # Parts that do not fit each other fail in many ways.
+        except torch.OutOfMemoryError as error:
+            raise LearnError(
+                f"{shown_path(model)}: needs more memory than {self.device}"
+            ) from error
+        except UNFIT as error:
             raise LearnError(
                 f"{shown_path(model)}: does not guide as Stable Diffusion does "
                 f"({type(error).__name__}); download {DEFAULT} and give its folder"
-            ) from None
+            ) from error
 
     @torch.no_grad()
     def _try_out(self) -> None:
@@ -62,7 +68,7 @@ class StableDiffusion:
         times = torch.full((1,), 0.5)
         hidden = self.hidden(torch.zeros(1, 3, 8, 8))
         if self.noise(hidden, times, self.told("")).shape != hidden.shape:
-            raise ValueError
+            raise ValueError("noise of another shape than the picture's code")
 
     @property
     def size(self) -> int:
