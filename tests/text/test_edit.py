@@ -161,7 +161,7 @@ def test_networks_that_were_not_trained_together_are_refused(trained, dress, tmp
     pictures = trained / "pictures" / "model"
     told = [*words, "--space", other, "--pictures", pictures]
     assert main(["edit", str(dress), *map(str, told)]) == 2
-    assert "was trained with another latent space than vae" in capsys.readouterr().err
+    assert f"was trained with another latent space than {other}" in capsys.readouterr().err
 
 
 def test_networks_of_other_sizes_do_not_go_together(trained):

@@ -28,7 +28,7 @@ from garmentimage.learn.weights import load_weights
 from garmentimage.metrics.intervals import interval
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
-from garmentimage.text.edit import PULL, RATE, SETTLE, denoiser_guidance
+from garmentimage.text.edit import PULL, RATE, SETTLE, check_pair, denoiser_guidance
 from garmentimage.text.guidance import descent
 
 SEED = 50
@@ -197,11 +197,7 @@ def _check(editing: Editing) -> None:
     if editing.kind == "nothing":
         return
     pictures = _pictures(editing.pictures)
-    if pictures.config.vae_sha256 != weights_hash(Path(editing.space)):
-        raise LearnError(
-            f"{shown_path(editing.pictures)}: was trained with another latent space than "
-            f"{shown_path(editing.space)}; name two that were trained together"
-        )
+    check_pair(Path(editing.space), pictures)
     guidance, _ = denoiser_guidance(editing.denoiser, "a dress")
     guidance.gradient(pictures.draw(torch.zeros(1, pictures.config.latent)), "a dress", 0.0)
 

@@ -18,6 +18,7 @@ from garmentimage.explore.space import (
     shipped_names,
     space_names,
 )
+from garmentimage.files import shown_path
 from garmentimage.learn.image_decoder import ImageDecoder
 from garmentimage.learn.weights import load_weights
 from garmentimage.pattern.model import Pattern
@@ -80,12 +81,7 @@ class TextEditor:
                 f"{space.folder.name} has latent vectors of {space.latent} numbers, the picture "
                 f"network takes {pictures.config.latent}; name two that were trained together"
             )
-        of = pictures.config.vae_sha256
-        if of and of != weights_hash(space.folder):
-            raise LearnError(
-                f"the picture network was trained with another latent space than "
-                f"{space.folder.name}; name two that were trained together"
-            )
+        check_pair(space.folder, pictures)
         self.space, self.pictures = space, pictures.eval()
 
     @classmethod
@@ -219,6 +215,20 @@ def checked_text(text: str) -> str:
     if len(words) > MOST_TEXT:
         raise LearnError(f"the text has {len(words):,} characters; give {MOST_TEXT} or fewer")
     return words
+
+
+def check_pair(space: Path, pictures: ImageDecoder) -> None:
+    """Refuse a picture network that was trained with another latent space.
+
+    Raises:
+        LearnError: it was.
+    """
+    of = pictures.config.vae_sha256
+    if of and of != weights_hash(space):
+        raise LearnError(
+            f"the picture network was trained with another latent space than {shown_path(space)}; "
+            "name two that were trained together"
+        )
 
 
 def check_amounts(strength: float, steps: int) -> None:
