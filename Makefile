@@ -55,7 +55,7 @@ explore: $(VENV)/ready-dev
 	set -e; for each in "topology 5000 40 60" "darts 5000 40 60" "variety 10000 24 30"; do \
 		set -- $$each; data=data/vae-$$1-$$2; \
 		$(BIN)/garmentimage build vae-$$1 --count $$2 -o $$data; \
-		$(BIN)/garmentimage train vae --data $$data --epochs $$3 --precision bf16-mixed \
+		$(BIN)/garmentimage train vae --data $$data --epochs $$3 \
 			-o runs/vae-$$1; \
 		$(BIN)/garmentimage train vector-vae --data $$data --epochs $$4 -o runs/vector-vae-$$1; \
 		$(BIN)/garmentimage evaluate explore --data $$data --vae runs/vae-$$1/model \

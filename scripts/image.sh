@@ -12,7 +12,7 @@ whole="--as-paper recombine --as-paper recolour" # garments as they are
 train() { # name, network, epochs, further words
     name=$1 network=$2 epochs=$3
     shift 3
-    "$run" train "$network" --data "data/$recipe" --epochs "$epochs" --precision bf16-mixed "$@" \
+    "$run" train "$network" --data "data/$recipe" --epochs "$epochs" "$@" \
         -o "runs/$recipe-$name"
 }
 
@@ -56,6 +56,6 @@ done
 "$run" evaluate image --recipe "$recipe" --seen 100 --unseen 100 --parts 50 --draped 50 \
     -o "runs/image-$recipe"
 
-"$run" train cascade --data "data/$recipe" --epochs 32 --precision bf16-mixed -o runs/image-wide
+"$run" train cascade --data "data/$recipe" --epochs 32 -o runs/image-wide
 "$run" evaluate image --recipe "$recipe" --network wide=runs/image-wide --seen 500 --parts 200 --draped 100 \
     -o runs/image-wide-figures

@@ -31,7 +31,7 @@ ONLY_OF = {
 }
 """Options that not all networks have."""
 MOST_SEED, MOST_BETA = 2**31 - 1, 1000.0
-PRECISIONS = ("32-true", "bf16-mixed", "16-mixed")
+PRECISIONS = ("auto", "32-true", "bf16-mixed", "16-mixed")
 
 
 def train_arguments(parser: argparse.ArgumentParser) -> None:

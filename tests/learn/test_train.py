@@ -10,7 +10,7 @@ import torch
 from garmentimage.errors import LearnError
 from garmentimage.learn.garment_vae import GarmentVAE, GarmentVAEConfig, default_config
 from garmentimage.learn.rasters import read_rasters
-from garmentimage.learn.train import Settings, train
+from garmentimage.learn.train import Settings, fitting_precision, train
 from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
 from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
 
@@ -57,6 +57,14 @@ def test_a_stopped_run_goes_on_to_the_same_weights(data, tmp_path):
 def test_a_network_learns_at_lower_precision(data, tmp_path):
     told = run(data, tmp_path, replace(SHORT, precision="bf16-mixed")).log
     assert told[-1]["held-out loss"] < told[0]["held-out loss"]
+
+
+def test_precision_is_mixed_only_where_the_hardware_computes_it(monkeypatch):
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    for able, precision in (({"avx512_bf16": True}, "bf16-mixed"), ({"avx2": True}, "32-true")):
+        monkeypatch.setattr(torch.cpu, "get_capabilities", lambda able=able: able)
+        assert fitting_precision("cpu") == fitting_precision("auto") == precision
+    assert fitting_precision("mps") == "32-true"
 
 
 @pytest.mark.slow
