@@ -1,32 +1,41 @@
-"""Why garments of unseen types come out wrong: by their parameters, and by colour.
+"""Why garments come out wrong: by their parameters, by colour, by the weight on boundaries.
 
     python benchmarks/picture_diagnosis.py parameters data/d2 runs/image-d2 [--out FILE.json]
     python benchmarks/picture_diagnosis.py colour data/d1 runs/d1-cascade-0/model [--out FILE.json]
+    python benchmarks/picture_diagnosis.py shares data/fresh image-wide [--out FILE.json]
 
 `parameters` reads the records that `garmentimage evaluate image` left, predicts nothing, and tells
 the figures of the cascade by fifths of each parameter of the unseen garments. `colour` paints
 dresses of the validation split, whole or below the waist, as bottoms of the recipe are, and counts
-the panels that the network finds then.
+the panels that the network finds then. `shares` frees shares of edge types of a weight that
+boundaries had in training, on all garments but those of the training split, of a dataset with
+another seed than that of the training.
 """
 
 import argparse
 import json
 import sys
 from collections import Counter
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float32, UInt8
 from PIL import ImageColor
 from provenance import provenance
 
 import garmentimage as gi
-from garmentimage.dataset.read import tables
+from garmentimage.dataset.read import patterns_of, tables
 from garmentimage.dataset.recipe import recipe
 from garmentimage.dataset.sheet import dataset_hash, summary_of
+from garmentimage.explore.space import step_of
 from garmentimage.learn.pictured import read_album
+from garmentimage.metrics.intervals import interval
+from garmentimage.metrics.likeness import likeness
+from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
 
+WEIGHTS = 1.0, 3.0**0.5, 3.0, 5.0
 FIFTHS = np.linspace(0, 1, 6)
 DRESS, DRESSES = "one-panel dress", 60
 WAIST = 0.44
@@ -39,16 +48,15 @@ BRIGHT = 230.0
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("what", choices=("parameters", "colour"))
+    parser.add_argument("what", choices=tuple(TOLD))
     parser.add_argument("data", type=Path)
-    parser.add_argument("found", type=Path, help="folder of records; of a network")
+    parser.add_argument("found", type=Path, help="folder of records; a network")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
-    told = by_parameter if args.what == "parameters" else by_colour
     result = {
         **provenance([]),
         "data_sha256": dataset_hash(args.data),
-        **told(args.data, args.found),
+        **TOLD[args.what](args.data, args.found),
     }
     print(json.dumps(result, indent=1))
     if args.out:
@@ -134,6 +142,53 @@ def by_colour(data: Path, network: Path) -> dict[str, Any]:
     }
 
 
+def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
+    """Panel IoU and exact topology with shares of edge types freed of a weight on boundaries."""
+    predictor = gi.PatternPredictor.load(network)
+    albums = [read_album(data, split) for split in ("validation", "test")]
+    given = [
+        predictor.channels(
+            np.ascontiguousarray(album.garments.pictures[[k]].numpy()[:, :, ::-1]).transpose(
+                0, 2, 3, 1
+            )
+        )[0]
+        for album in albums
+        for k in range(len(album.ids))
+    ]
+    truths = [p for album in albums for p in patterns_of(list(album.patterns), data)]
+    types = [name for album in albums for name in album.types]
+    told: dict[str, Any] = {"garments": len(truths), "by weight": {}}
+    for weight in WEIGHTS:
+        found = []
+        for channels, truth in zip(given, truths):
+            step = step_of(np.zeros(0, np.float32), freed(channels, weight), "full")
+            found.append(likeness(truth, step.pattern).figures())
+        told["by weight"][f"{weight:g}"] = {
+            key: {
+                **asdict(interval([each[key] for each in found])),
+                "by type": {
+                    name: round(
+                        float(np.mean([f[key] for f, t in zip(found, types) if t == name])), 4
+                    )
+                    for name in sorted(set(types))
+                },
+            }
+            for key in ("panel_iou", "topology")
+        }
+    return told
+
+
+def freed(channels: Float32[np.ndarray, "34 row col"], weight: float) -> np.ndarray:
+    """The same, as if boundaries had not had a weight in training."""
+    layers = channels.reshape(2, CHANNELS_PER_LAYER, *channels.shape[1:]).copy()
+    shares = layers[:, 1 : 1 + 2 * EDGE_TYPE_COUNT].reshape(2, 2, EDGE_TYPE_COUNT, -1)
+    shares[:, :, 0] *= weight
+    layers[:, 1 : 1 + 2 * EDGE_TYPE_COUNT] = (shares / shares.sum(2, keepdims=True)).reshape(
+        2, 2 * EDGE_TYPE_COUNT, *channels.shape[1:]
+    )
+    return layers.reshape(channels.shape)
+
+
 def painted(
     pixels: UInt8[np.ndarray, "row col 3"], colour: np.ndarray, first_row: int
 ) -> UInt8[np.ndarray, "row col 3"]:
@@ -144,6 +199,8 @@ def painted(
     light = values[..., 2:] / BRIGHT
     return np.where(cloth[..., None], colour * light, values).clip(0, 255).astype(np.uint8)
 
+
+TOLD = {"parameters": by_parameter, "colour": by_colour, "shares": by_shares}
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -18,7 +18,16 @@ if TYPE_CHECKING:
 
 BASELINES = ("panel-transformer", "panel-recurrent", "panel-pool")
 NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES, "image-decoder", "denoiser")
-DEPARTURES = "losses", "noise", "weights", "mirror", "dropout", "recombine", "recolour"
+DEPARTURES = (
+    "losses",
+    "noise",
+    "weights",
+    "shares",
+    "mirror",
+    "dropout",
+    "recombine",
+    "recolour",
+)
 EVERYTHING = "all"
 ACCELERATORS = ("cpu", "gpu", "cuda", "mps", "auto")
 OF_SETTINGS = ("epochs", "batch", "rate", "seed", "accelerator", "devices", "nodes", "precision")

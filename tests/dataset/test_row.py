@@ -34,6 +34,7 @@ def same(one, other) -> bool:
     return raster and next(plain) == next(plain)
 
 
+@pytest.mark.slow
 def test_a_row_is_the_same_whatever_was_made_before():
     first = good_row("text-edit", 1)
     good_row("text-edit", 0)

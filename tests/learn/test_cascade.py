@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from garmentimage.errors import DatasetError
-from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig, flipped, redrawn
+from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig, evened, flipped, redrawn
 from garmentimage.learn.pictured import read_album
 from garmentimage.learn.weights import load_weights
 
@@ -65,6 +65,15 @@ def test_a_cascade_gives_channels_and_comes_back_from_disk(tmp_path):
     assert found.shape == (2, 34, 16, 16) and torch.equal(found, again)
     shares = found.unflatten(1, (2, 17))[:, :, 1:5].sum(2)
     assert torch.allclose(shares, torch.ones_like(shares), atol=1e-5)
+
+
+def test_evened_shares_are_those_of_a_network_that_was_taught_without_the_weight():
+    shares = torch.tensor([0.7, 0.1, 0.0, 0.2])
+    weights = torch.tensor([1.0, 3.0, 3.0, 3.0])
+    taught = weights * shares / (weights * shares).sum()  # where weighted cross-entropy is least
+    logits = taught.log().clamp(min=-50)[:, None, None].expand(4, 16, 16).repeat(4, 1, 1)[None]
+    found = evened(logits, 3.0).unflatten(1, (4, 4)).softmax(2)
+    assert torch.allclose(found, shares[:, None, None].expand_as(found), atol=1e-6)
 
 
 def test_noise_changes_a_share_of_boundaries_and_nothing_else():

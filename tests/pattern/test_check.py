@@ -202,6 +202,7 @@ def test_dense_gathers_are_told_and_common_ones_are_not():
         assert len(messages(gathered)) == count
 
 
+@pytest.mark.slow
 def test_a_scribble_of_thousands_of_crossings_is_answered():
     points = [(100 * math.cos(2.5 * k), 100 * math.sin(2.5 * k)) for k in range(3000)]
     with pytest.raises(PatternError, match="edges 0 and"):

@@ -5,6 +5,7 @@ from the picture and flags; edge vectors from the picture, flags and edge types.
 what the one before it predicted.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -56,6 +57,9 @@ class CascadeConfig:
     (`recombined`)."""
     boundary_weight: float = 3.0
     """Of an edge type that is not NON_BOUNDARY, against one that is."""
+    even: bool = True
+    """In use, shares of edge types are freed of that weight (`evened`), else there are seams where
+    nothing is the likeliest."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists
@@ -68,6 +72,7 @@ PAPER = CascadeConfig(
     squares=True,
     noise=0.0,
     boundary_weight=1.0,
+    even=False,
     mirror=False,
     dropout=0.0,
     recombine=0.0,
@@ -77,6 +82,7 @@ DEPARTURES = {
     "losses": ("squares",),
     "noise": ("noise",),
     "weights": ("boundary_weight",),
+    "shares": ("even",),
     "mirror": ("mirror",),
     "dropout": ("dropout",),
     "recombine": ("recombine",),
@@ -141,6 +147,8 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
         inside = (flags > 0).float()
         if known is None or given < 1:
             types = self._asked(self.to_types, mirrored_types, seen, inside)
+            if self.config.even:
+                types = evened(types, self.config.boundary_weight)
         else:
             types = known[:, FLAGS : FLAGS + TYPES]
         if known is None or given < 2:
@@ -200,6 +208,16 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
 def _joined(inside: Tensor | None, types: Tensor | None) -> list[Tensor]:
     known = [each for each in (inside, types) if each is not None]
     return [torch.cat(known, 1)] if known else []
+
+
+def evened(logits: Float[Tensor, "n 16 row col"], weight: float) -> Float[Tensor, "n 16 row col"]:
+    """Logits of edge types of a network that was taught with a weight on boundaries, without it.
+
+    A weight w makes the odds of what it is on w times what they should be.
+    """
+    is_boundary = torch.arange(EDGE_TYPE_COUNT, device=logits.device) > 0
+    each = logits.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT))
+    return (each - math.log(weight) * is_boundary[:, None, None]).flatten(1, 2)
 
 
 def likeliest_types(logits: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:

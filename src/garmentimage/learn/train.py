@@ -175,9 +175,8 @@ def fitting_precision(accelerator: str) -> str:
     if accelerator in ("gpu", "cuda", "auto") and torch.cuda.is_available():
         is_quick = torch.cuda.is_bf16_supported(including_emulation=False)
     elif accelerator in ("cpu", "auto"):
-        can: Mapping[str, Any] = getattr(
-            torch.cpu, "get_capabilities", dict
-        )()  # not before torch 2.11
+        # Older versions of torch do not tell.
+        can: Mapping[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()
         is_quick = any(can.get(name, False) for name in ("avx512_bf16", "amx_bf16", "bf16"))
     else:
         is_quick = False

@@ -65,8 +65,8 @@ def sheet(prediction: Prediction, worn: Shown) -> UInt8[np.ndarray, "row col 3"]
         )
     _draw_picture(prediction.photo.pixels, axes(0))
     if step.image is not None:
-        draw_image(step.image, axes(1, 0.5), legend=False)
-    _draw_doubts(prediction.doubts, axes(1, 0.0, 0.46))
+        draw_image(step.image, axes(1, 0.44))
+    _draw_doubts(prediction.doubts, axes(1, 0.0, 0.42))
     if step.pattern is not None:
         draw_pattern(step.pattern, axes(2))
     if worn.worn is not None:
