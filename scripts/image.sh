@@ -16,20 +16,21 @@ train() { # name, network, epochs, further words
         -o "runs/$recipe-$name"
 }
 
+epochs=24
 for recipe in d2 d1; do
     "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
-    train cascade-0 cascade 32
+    train cascade-0 cascade $epochs
     train whole-0 cascade 24 $whole
     if [ "$recipe" = d2 ]; then # further seeds, baselines, ablations with a third of the training
         for seed in 1 2; do
-            train "cascade-$seed" cascade 32 --seed "$seed"
+            train "cascade-$seed" cascade $epochs --seed "$seed"
             train "whole-$seed" cascade 24 --seed "$seed" $whole
         done
         train panel-transformer panel-transformer 8 --rate 0.0005 --batch 32
         train panel-recurrent panel-recurrent 18 --rate 0.004
         train panel-pool panel-pool 30
         train short cascade 8
-        for part in recombine recolour; do
+        for part in recombine recolour shares; do
             train "short-without-$part" cascade 8 --as-paper "$part"
         done
         train short-whole cascade 8 $whole
@@ -38,6 +39,7 @@ for recipe in d2 d1; do
         done
     fi
     "$run" evaluate image --recipe "$recipe" -o "runs/image-$recipe"
+    epochs=32
 done
 
 recipe=leave-one-out
