@@ -1,5 +1,7 @@
 """Pictures to images: the three networks of the cascade, and what they learn from."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 
@@ -74,6 +76,20 @@ def test_evened_shares_are_those_of_a_network_that_was_taught_without_the_weight
     logits = taught.log().clamp(min=-50)[:, None, None].expand(4, 16, 16).repeat(4, 1, 1)[None]
     found = evened(logits, 3.0).unflatten(1, (4, 4)).softmax(2)
     assert torch.allclose(found, shares[:, None, None].expand_as(found), atol=1e-6)
+
+
+def test_a_cascade_in_use_gives_freed_shares():
+    torch.manual_seed(0)
+    plain = Cascade(replace(SMALL, even=False)).eval()
+    freed = Cascade(SMALL).eval()
+    freed.load_state_dict(plain.state_dict())
+    seen = torch.rand(1, 3, 128, 128)
+    with torch.no_grad():
+        before, after = (
+            each.predict(seen).unflatten(1, (2, 17))[:, :, 1:5] for each in (plain, freed)
+        )
+    odds = (before[:, :, 1:] / before[:, :, :1]) / (after[:, :, 1:] / after[:, :, :1])
+    assert torch.allclose(odds, torch.full_like(odds, SMALL.boundary_weight), rtol=1e-3)
 
 
 def test_noise_changes_a_share_of_boundaries_and_nothing_else():
