@@ -12,6 +12,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from garmentimage.errors import LearnError
 from garmentimage.learn.captioned import Worn
 from garmentimage.learn.unet import Block
 
@@ -36,7 +37,10 @@ class ImageDecoderConfig:
     def __post_init__(self) -> None:
         object.__setattr__(self, "channels", tuple(self.channels))  # JSON has lists
         if START * 2 ** (len(self.channels) - 1) != self.picture:
-            raise ValueError(f"{len(self.channels)} levels do not give {self.picture} pixels")
+            raise LearnError(
+                f"pictures of {self.picture} pixels a side; this network draws "
+                f"{START * 2 ** (len(self.channels) - 1)}, as recipe text-edit has them"
+            )
 
 
 class ImageDecoder(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
