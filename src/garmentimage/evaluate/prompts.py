@@ -4,30 +4,28 @@ A prompt is asked only of garments of which it is not true already. "Long" and t
 against the garment as it was: what is asked for is a change.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from garmentimage.body.measurements import measurements
-from garmentimage.evaluate.traits import Traits
-from garmentimage.metrics.matching import loop_polygon
+from garmentimage.evaluate.traits import Traits, split_sleeves
 from garmentimage.metrics.validity import drawing_faults
-from garmentimage.pattern.model import Panel, Pattern
+from garmentimage.pattern.model import Pattern
 
 LONGER_CM = 5.0
 """Less is no change of length."""
 WIDER = 1.1
 """Nor is a width of less than this times the other."""
-SHORT_SLEEVE_CM, LONG_SLEEVE_CM = 53.0, 66.0
-"""Sleeves end before or after this, from the middle of the default body: 60 % and 83 % of the
-arm."""
+SHORT_SLEEVE_CM, LONG_SLEEVE_CM = 31.0, 44.0
+"""Sleeves that are shorter or longer than this, of the default body: they end before 60 % and after
+83 % of the arm."""
+LEAST_PIECE = 100.0
+"""Pieces of a panel above the waist that are smaller are not looked at [cm2]."""
 
-SLEEVES_FROM_CM = 4.0
-"""Beyond the shoulder, where sleeves are."""
-
-Touched = Literal["sleeves", "below the waist", "all"]
+Touched = Literal["sleeves", "below the waist"]
 
 
 @dataclass(frozen=True)
@@ -79,36 +77,41 @@ def is_asked(prompt: Prompt, start: Traits) -> bool:
 
 
 def kept(prompt: Prompt, start: Pattern, end: Pattern | None) -> float:
-    """How much of what a text does not speak of stays: IoU of the cloth there, at the body.
+    """How much of what a text does not speak of stays: the mean IoU of the panels there.
 
-    Of front and back together; where sleeves may change, all but them is looked at, else all that
-    is above the waist.
+    Where sleeves may change, all panels but them are looked at, else all that is of any panel above
+    the waist. Centroids are aligned, as in `panel_iou`; what is missing or new counts 0.
     """
     import shapely
+    from scipy.optimize import linear_sum_assignment
 
     if end is None or any(drawing_faults(panel) for panel in end.panels):
         return 0.0
-    shares = []
-    for sign in (1, -1):
-        one, two = (_cloth(pattern.panels, sign, prompt.touches) for pattern in (start, end))
-        both, either = shapely.intersection(one, two).area, shapely.union(one, two).area
-        shares.append((both, either))
-    both, either = np.sum(shares, axis=0)
-    return float(both / either) if either else 1.0
+    ious: list[float] = []
+    for is_front in (True, False):
+        one, two = (_staying(pattern, prompt.touches, is_front) for pattern in (start, end))
+        shared = np.array(
+            [[shapely.intersection(a, b).area / shapely.union(a, b).area for b in two] for a in one]
+        ).reshape(len(one), len(two))
+        pairs = linear_sum_assignment(shared, maximize=True)
+        ious += [*shared[pairs], *[0.0] * abs(len(one) - len(two))]
+    return float(np.mean(ious)) if ious else 1.0
 
 
-def _cloth(panels: Sequence[Panel], sign: int, touched: Touched) -> Any:
-    """Where untouched cloth lies before the body (1) or behind it (-1)."""
+def _staying(pattern: Pattern, touched: Touched, is_front: bool) -> list[Any]:
+    """What of each panel should stay, its centroid at the origin, before the body or behind it."""
     import shapely
+    import shapely.affinity
 
-    low = measurements("mean-female").waist_height
-    far = measurements("mean-female").shoulder_width / 2 + SLEEVES_FROM_CM
-    stays = shapely.box(-far, 0, far, 400) if touched == "sleeves" else shapely.box(
-        -200, low, 200, 400
-    )  # fmt: skip
+    above = shapely.box(-400, measurements("mean-female").waist_height, 400, 400)
     found = []
-    for panel in panels:
-        world = panel.to_world(loop_polygon(panel.outline))
-        if world[:, 2].mean() * sign > 0:
-            found.append(shapely.make_valid(shapely.Polygon(world[:, :2])))
-    return shapely.intersection(shapely.union_all(found), stays)
+    for placed in split_sleeves(pattern):
+        if placed.is_front != is_front or (touched == "sleeves" and placed.is_sleeve):
+            continue
+        cloth = shapely.make_valid(shapely.Polygon(placed.outline))
+        if touched != "sleeves":
+            cloth = shapely.intersection(cloth, above)
+        if cloth.area > LEAST_PIECE:
+            x, y = cloth.centroid.x, cloth.centroid.y
+            found.append(shapely.affinity.translate(cloth, -x, -y))
+    return found

@@ -1,7 +1,9 @@
 """What a garment is like, read off its pattern by geometry: what edits by text are judged by.
 
 All of it is told from the front panels as they stand at the body, in world coordinates [cm]: x to
-the wearer's left, y up from the floor. No network has a say.
+the wearer's left, y up from the floor. No network has a say. Panels that come from a network's
+image stand only about where they should: sleeves too near the body, legs over each other. So shapes
+are read, and of places no more than which side a panel is on, and how high.
 """
 
 from collections.abc import Sequence
@@ -16,13 +18,15 @@ from garmentimage.metrics.matching import loop_polygon
 from garmentimage.metrics.validity import drawing_faults
 from garmentimage.pattern.model import Pattern
 
-SLEEVE_FROM, SLEEVE_BELOW = 26.0, 30.0
-"""Panels whose middle is further than this from the body's middle, and no lower than this under the
-top of the garment, are sleeves [cm]."""
+SIDE = 4.0
+"""Panels whose middle is further than this from the body's middle are of one side [cm]."""
+SLEEVE_BELOW = 30.0
+"""They are sleeves if that middle is no lower than this under the top of the garment [cm]."""
 LEVELS = (3.0, 6.0, 9.0)
 """Heights above the hem at which legs are looked for [cm]."""
-LEG_GAP = 0.5
-"""Legs are further apart than this [cm]."""
+LEG_GAP, APART = 0.5, 0.2
+"""Legs are further apart than the first at the hem, moved so that they are as far apart as the
+second where they come nearest to each other [cm]."""
 MIDDLE = 12.0
 """The gap between them is no further than this from the body's middle [cm]."""
 MIDDLE_LINES = (-9.0, 9.0)
@@ -38,7 +42,7 @@ class Traits:
     pieces: int
     """Panels on top of each other in front, without sleeves: 2 where there is a waist seam."""
     sleeves: float | None
-    """From the body's middle to the end of the sleeves [cm]; None without."""
+    """Length of the sleeves along the arm [cm]; None without."""
     length: float
     """From the waist of the default body down to the hem [cm]."""
     width: float
@@ -49,16 +53,9 @@ def traits(pattern: Pattern | None) -> Traits | None:
     """What a garment is like; None where there is nothing to see in front."""
     if pattern is None or any(drawing_faults(panel) for panel in pattern.panels):
         return None
-    front = [
-        world[:, :2]
-        for panel in pattern.panels
-        if (world := panel.to_world(loop_polygon(panel.outline)))[:, 2].mean() > 0
-    ]
-    if not front:
-        return None
-    top = max(float(outline[:, 1].max()) for outline in front)
-    sleeves = [outline for outline in front if _is_sleeve(outline, top)]
-    body = [outline for outline in front if not _is_sleeve(outline, top)]
+    sides = [each for each in split_sleeves(pattern) if each.is_front]
+    sleeves = [each.outline for each in sides if each.is_sleeve]
+    body = _beside([each.outline for each in sides if not each.is_sleeve])
     if not body:
         return None
     hem = min(float(outline[:, 1].min()) for outline in body)
@@ -68,15 +65,52 @@ def traits(pattern: Pattern | None) -> Traits | None:
     return Traits(
         legs=legs,
         pieces=max(_stacked(body, x) for x in MIDDLE_LINES),
-        sleeves=max(float(np.abs(outline[:, 0]).max()) for outline in sleeves) if sleeves else None,
+        sleeves=max(float(np.ptp(outline[:, 0])) for outline in sleeves) if sleeves else None,
         length=measurements("mean-female").waist_height - hem,
         width=wide / 2 if legs else wide,
     )
 
 
+@dataclass(frozen=True)
+class Placed:
+    """A panel as it stands at the body, seen from the front."""
+
+    outline: Float[np.ndarray, "n 2"]
+    is_front: bool
+    is_sleeve: bool
+
+
+def split_sleeves(pattern: Pattern) -> list[Placed]:
+    """The panels of a pattern, and which of them are sleeves."""
+    worlds = [panel.to_world(loop_polygon(panel.outline)) for panel in pattern.panels]
+    top = max((float(world[:, 1].max()) for world in worlds), default=0.0)
+    return [
+        Placed(world[:, :2], bool(world[:, 2].mean() > 0), _is_sleeve(world[:, :2], top))
+        for world in worlds
+    ]
+
+
 def _is_sleeve(outline: Float[np.ndarray, "n 2"], top: float) -> bool:
-    x, y = (outline.min(0) + outline.max(0)) / 2
-    return bool(abs(x) > SLEEVE_FROM and y > top - SLEEVE_BELOW)
+    return abs(_middle(outline)[0]) > SIDE and bool(_middle(outline)[1] > top - SLEEVE_BELOW)
+
+
+def _middle(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
+    middle: Float[np.ndarray, " 2"] = (outline.min(0) + outline.max(0)) / 2
+    return middle
+
+
+def _beside(outlines: Sequence[Float[np.ndarray, "n 2"]]) -> list[Float[np.ndarray, "n 2"]]:
+    """Panels of the left and of the right moved apart where they lie on each other."""
+    sides = [
+        int(np.sign(x)) if abs(x := float(_middle(each)[0])) > SIDE else 0 for each in outlines
+    ]
+    ends = [
+        min((float((side * each[:, 0]).min()) for each, s in zip(outlines, sides) if s == side))
+        for side in (1, -1)
+        if side in sides
+    ]
+    move = max(APART - sum(ends), 0.0) / 2 if len(ends) == 2 else 0.0
+    return [each + np.array([side * move, 0.0]) for each, side in zip(outlines, sides)]
 
 
 def _cut(outlines: Sequence[Float[np.ndarray, "n 2"]], height: float) -> list[tuple[float, float]]:
