@@ -16,7 +16,7 @@ train() { # name, network, epochs, further words
         -o "runs/$recipe-$name"
 }
 
-epochs=24
+epochs=40
 for recipe in d2 d1; do
     "$run" build "$recipe" --count 7000 --unseen 1000 -o "data/$recipe"
     train cascade-0 cascade $epochs
