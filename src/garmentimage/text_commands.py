@@ -130,7 +130,7 @@ def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
     if options.guidance == "sd":
         return stable_guidance(options.model, seed=options.seed, **told)
     guidance, (near, phrase) = denoiser_guidance(options.model, text, seed=options.seed, **told)
-    from garmentimage.text.small import FAMILIAR
+    from garmentimage.text.contrast import FAMILIAR
 
     if near < FAMILIAR:
         say(

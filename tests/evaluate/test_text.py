@@ -10,7 +10,7 @@ from PIL import Image
 from garmentimage.cli import main
 from garmentimage.draft.kinds import draft
 from garmentimage.evaluate.prompts import EXTREME, PROMPTS, is_asked, kept
-from garmentimage.evaluate.traits import traits
+from garmentimage.metrics.traits import traits
 
 DRESS, TROUSERS = draft("one-panel-dress"), draft("top-pants")
 BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}

@@ -182,10 +182,13 @@ def test_any_guidance_will_do(trained, dress):
     """The protocol is all that an editor asks for."""
 
     class Brighter:
+        def start(self, pictures, said):
+            assert pictures.shape == (1, 3, 64, 64) and said == ""
+
         def gradient(self, pictures, text, done):
             return -np.sign(1) * (pictures * 0 + 1)
 
     editor = TextEditor.load(trained / "vae" / "model", trained / "pictures" / "model")
-    found = editor.edit(gi.load_pattern(dress), "bright", Brighter(), steps=20, strength=20)
+    found = editor.edit(gi.load_pattern(dress), "a sunny day", Brighter(), steps=20, strength=20)
     first, last = (frame.picture.mean() for frame in (found.frames[0], found.frames[-1]))
     assert last > first and not isinstance(Brighter(), ScoreDistillation)

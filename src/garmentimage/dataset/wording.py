@@ -7,6 +7,7 @@ long.
 """
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -132,15 +133,26 @@ def worded(kind: str, parameters: Mapping[str, Any], random: np.random.Generator
 
 def every_phrase() -> tuple[str, ...]:
     """All phrases that may be said of some garment."""
+    return tuple(sorted(_aspects()))
+
+
+def aspect_of(phrase: str) -> str:
+    """What a phrase is about: "sleeves", "length"."""
+    return _aspects()[phrase]
+
+
+@cache
+def _aspects() -> dict[str, str]:
+    """Phrases with their aspects."""
     groups = [
-        *(words for told in KINDS.values() for words in told.values()),
-        *(words for aspects in LEVELS.values() for levels in aspects.values()
+        *(told for kind in KINDS.values() for told in kind.items()),
+        *((aspect, words) for aspects in LEVELS.values() for aspect, levels in aspects.items()
           for _, _, words in levels),
-        *NECKLINES.values(),
-        NO_SLEEVES,
-        ANY_SLEEVES,
+        *(("neckline", words) for words in NECKLINES.values()),
+        ("sleeves", NO_SLEEVES),
+        ("any sleeves", ANY_SLEEVES),
     ]  # fmt: skip
-    return tuple(sorted({phrase for words in groups for phrase in words}))
+    return {phrase: aspect for aspect, words in groups for phrase in words}
 
 
 def _has_sleeves(parameters: Mapping[str, Any]) -> bool:

@@ -11,17 +11,22 @@ from typing import Any, Literal
 import numpy as np
 
 from garmentimage.body.measurements import measurements
-from garmentimage.evaluate.traits import Traits, split_sleeves
+from garmentimage.metrics.traits import Traits, split_sleeves
 from garmentimage.metrics.validity import drawing_faults
 from garmentimage.pattern.model import Pattern
+from garmentimage.text.contrast import (
+    LONG_CM,
+    LONG_SLEEVE_CM,
+    NARROW_CM,
+    SHORT_CM,
+    SHORT_SLEEVE_CM,
+    WIDE_CM,
+)
 
 LONGER_CM = 5.0
 """Less is no change of length."""
 WIDER = 1.1
 """Nor is a width of less than this times the other."""
-SHORT_SLEEVE_CM, LONG_SLEEVE_CM = 31.0, 44.0
-"""Sleeves that are shorter or longer than this, of the default body: they end before 60 % and after
-83 % of the arm."""
 LEAST_PIECE = 100.0
 """Pieces of a panel above the waist that are smaller are not looked at [cm2]."""
 
@@ -60,11 +65,11 @@ PROMPTS = (
     Prompt("flared", "geometry", "below the waist", lambda a, b: b.width >= a.width * WIDER),
 )
 EXTREME: dict[str, Callable[[Traits], bool]] = {
-    "long": lambda t: t.length > (78.0 if t.legs else 62.0),
-    "short": lambda t: t.length < (60.0 if t.legs else 48.0),
-    "wide": lambda t: t.width > (34.0 if t.legs else 66.0),
-    "flared": lambda t: t.width > (34.0 if t.legs else 66.0),
-    "narrow": lambda t: t.width < (20.0 if t.legs else 48.0),
+    "long": lambda t: t.length > LONG_CM[t.legs],
+    "short": lambda t: t.length < SHORT_CM[t.legs],
+    "wide": lambda t: t.width > WIDE_CM[t.legs],
+    "flared": lambda t: t.width > WIDE_CM[t.legs],
+    "narrow": lambda t: t.width < NARROW_CM[t.legs],
 }
 """Garments that are so already, of which it is not asked."""
 

@@ -19,17 +19,17 @@ from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
 from garmentimage.evaluate.garment import seen
 from garmentimage.evaluate.prompts import PROMPTS, is_asked, kept
 from garmentimage.evaluate.records import Records
-from garmentimage.evaluate.traits import traits
 from garmentimage.explore.space import LatentSpace, Step
 from garmentimage.files import shown_path
 from garmentimage.learn.image_decoder import ImageDecoder
 from garmentimage.learn.sentences import embedded
 from garmentimage.learn.weights import load_weights
 from garmentimage.metrics.intervals import interval
+from garmentimage.metrics.traits import traits
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
-from garmentimage.text.edit import PULL, RATE, SETTLE, check_pair, denoiser_guidance
-from garmentimage.text.guidance import descent
+from garmentimage.text.contrast import true_of
+from garmentimage.text.edit import SETTLE, STEPS_USUAL, check_pair, denoiser_guidance, moved
 
 SEED = 50
 TIME_LIMIT_S = 600.0
@@ -49,7 +49,7 @@ class Editing:
     pictures: str = ""
     denoiser: str = ""
     strength: float = 1.0
-    steps: int = 150
+    steps: int = STEPS_USUAL
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ def edited(editing: Editing, start: Pattern, text: str) -> tuple[Pattern | None,
     codec = codec_of(editing)
     z = codec.latents([start])[0]
     if editing.kind != "nothing":
-        z = codec.settled(_moved(editing, z, text), SETTLE)
+        z = codec.settled(_moved(editing, z, start, text), SETTLE)
     step: Step = codec.step(z)
     return step.pattern, step.faults[0] if step.faults else ""
 
@@ -170,19 +170,19 @@ def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return told
 
 
-def _moved(editing: Editing, z: np.ndarray, text: str) -> np.ndarray:
+def _moved(editing: Editing, z: np.ndarray, start: Pattern, text: str) -> np.ndarray:
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
-    moved = descent(
+    found = moved(
         torch.from_numpy(np.asarray(z, np.float32)),
-        _pictures(editing.pictures).draw,
+        _pictures(editing.pictures),
         guidance,
         text,
+        true_of(start, text),
+        strength=editing.strength,
         steps=editing.steps,
-        rate=RATE,
-        pull=PULL / editing.strength,
     )
-    return moved.numpy()
+    return found.numpy()
 
 
 def _check(editing: Editing) -> None:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import UInt8
+from jaxtyping import Float, UInt8
+from torch import Tensor
 
 from garmentimage.errors import LearnError, quoted
 from garmentimage.explore.space import (
@@ -24,6 +25,7 @@ from garmentimage.learn.weights import load_weights
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
+from garmentimage.text.contrast import nearest_phrase, true_of
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
 
 SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
@@ -133,14 +135,14 @@ class TextEditor:
                 moments[step] = z
             progress(step, steps)
 
-        z = descent(
+        z = moved(
             moments[0],
-            self.pictures.draw,
+            self.pictures,
             guidance,
             words,
+            true_of(given.pattern, words),
+            strength=strength,
             steps=steps,
-            rate=RATE,
-            pull=PULL / strength,
             progress=keep,
         )
         frames = tuple(self._frame(number, z) for number, z in sorted(moments.items()))
@@ -156,6 +158,43 @@ class TextEditor:
 
     def _frame(self, number: int, z: torch.Tensor) -> Frame:
         return Frame(number, self.space.step(z.numpy()), self.picture(z.numpy()))
+
+
+def moved(
+    z: Float[Tensor, " latent"],
+    pictures: ImageDecoder,
+    guidance: Guidance,
+    text: str,
+    said: str,
+    *,
+    strength: float,
+    steps: int,
+    progress: Callable[[int, Tensor], None] = lambda step, z: None,
+) -> Float[Tensor, " latent"]:
+    """The latent vector that a text makes of another.
+
+    Args:
+        z: of the garment as it is.
+        pictures: what garments look like.
+        guidance: which way pictures should change.
+        text: what they should show.
+        said: what of it is true of the garment as it is, see `true_of`.
+        strength: how far it may go.
+        steps: of the optimisation.
+        progress: called after every step.
+    """
+    with torch.no_grad():
+        guidance.start(pictures.draw(z[None]), said)
+    return descent(
+        z,
+        pictures.draw,
+        guidance,
+        text,
+        steps=steps,
+        rate=RATE,
+        pull=PULL / strength,
+        progress=progress,
+    )
 
 
 def denoiser_guidance(
@@ -175,12 +214,12 @@ def denoiser_guidance(
     Raises:
         LearnError: there is none of that name, and no such folder.
     """
-    from garmentimage.text.small import SCALE, SmallDiffusion
+    from garmentimage.text.small import NOISES, SCALE, SmallDiffusion
 
     folder = network_folder(DENOISER if name is None else name, denoiser_names(), "denoiser")
     model = SmallDiffusion(folder)
-    guidance = ScoreDistillation(model, **{"scale": SCALE, "only_text": True, **told})
-    return guidance, model.familiar(text)
+    guidance = ScoreDistillation(model, **{"scale": SCALE, "noises": NOISES, **told})
+    return guidance, nearest_phrase(text)
 
 
 def stable_guidance(model: str | None, **told: Any) -> ScoreDistillation:

@@ -2,8 +2,9 @@
 
 Score distillation (Poole et al. 2023, DreamFusion; paper, Section 4.2): noise is put on the
 picture, a diffusion model that is told the text says what noise it sees, and the difference of both
-is the gradient. The same code drives every diffusion model; they differ in the space that they work
-in.
+is the gradient. What the model would change about the picture as it was given, told what is true of
+it, is taken off (delta denoising score, Hertz et al. 2023): so nothing else changes. The same code
+drives every diffusion model; they differ in the space that they work in.
 """
 
 from collections.abc import Callable
@@ -23,6 +24,14 @@ MOST_SCALE, MOST_SEED = 1000.0, 2**63 - 1
 
 class Guidance(Protocol):
     """Pictures and a text to a gradient."""
+
+    def start(self, pictures: Pictures, said: str) -> None:
+        """Be told what is given, before the first gradient.
+
+        Args:
+            pictures: of it.
+            said: what is true of it, of that which the text will speak of; empty if not known.
+        """
 
     def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
         """How a loss that is small where pictures show the text changes with the pictures.
@@ -78,8 +87,6 @@ class ScoreDistillation:
         negative: what the picture should not show; empty for nothing.
         wrapped: what a text is wrapped in: `"a photo of {}"`.
         schedule: times of the noise.
-        only_text: leave out what the model thinks of pictures without any text: what is not like
-            its own pictures then does not drive the edit (Yu et al. 2024).
         noises: how many are put on each picture, each at a time of its own; the gradient is their
             mean.
         seed: of noise and times.
@@ -96,7 +103,6 @@ class ScoreDistillation:
         negative: str = "",
         wrapped: str = "{}",
         schedule: Schedule = Schedule(),
-        only_text: bool = False,
         noises: int = 4,
         seed: int = 0,
     ) -> None:
@@ -109,10 +115,16 @@ class ScoreDistillation:
         if not 0 <= seed <= MOST_SEED:
             raise LearnError(f"the seed is {seed}; give 0 to {MOST_SEED}")
         self.diffusion, self.scale, self.wrapped = diffusion, scale, wrapped
-        self.schedule, self.only_text, self.noises = schedule, only_text, noises
+        self.schedule, self.noises = schedule, noises
         self.generator = torch.Generator().manual_seed(seed)
         self._negative = negative
         self._known: dict[str, Any] = {}
+        self._given: tuple[Tensor, str] | None = None
+
+    def start(self, pictures: Pictures, said: str) -> None:
+        """See `Guidance`; without it nothing is taken off."""
+        with torch.no_grad():
+            self._given = self.diffusion.hidden(pictures), said
 
     def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
         """See `Guidance`; noise and times are drawn for each picture on its own."""
@@ -121,19 +133,23 @@ class ScoreDistillation:
         many = hidden.detach().repeat_interleave(self.noises, 0)
         times = self.schedule.drawn(done, len(many), self.generator).to(hidden.device)
         noise = torch.randn(many.shape, generator=self.generator).to(hidden)
-        push = self.push(many, text, times, noise).unflatten(0, (-1, self.noises)).mean(1)
+        push = self.push(many, self.wrapped.replace("{}", text), times, noise)
+        if self._given is not None:
+            given, said = self._given
+            true = self.wrapped.replace("{}", said) if said else ""
+            push = push - self.push(given.repeat_interleave(self.noises, 0), true, times, noise)
+        push = push.unflatten(0, (-1, self.noises)).mean(1)
         (gradient,) = torch.autograd.grad(hidden, shown, push)
         return gradient
 
     @torch.no_grad()
     def push(self, hidden: Tensor, text: str, times: Float[Tensor, " n"], noise: Tensor) -> Tensor:
-        """The gradient in the model's own space, for given times and noise."""
+        """The gradient in the model's own space, for given times and noise, of a whole text."""
         alpha, sigma = (share.to(hidden) for share in self.diffusion.shares(times))
         noisy = alpha * hidden + sigma * noise
-        said = self.diffusion.noise(noisy, times, self._told(self.wrapped.replace("{}", text)))
+        said = self.diffusion.noise(noisy, times, self._told(text))
         unsaid = self.diffusion.noise(noisy, times, self._told(self._negative))
-        start = torch.zeros_like(noise) if self.only_text else unsaid - noise
-        return sigma**2 * (start + self.scale * (said - unsaid))
+        return sigma**2 * (unsaid - noise + self.scale * (said - unsaid))
 
     def _told(self, text: str) -> Any:
         if text not in self._known:

@@ -1,14 +1,11 @@
 """The small diffusion model that comes with the package, as guidance."""
 
-from functools import cached_property
 from pathlib import Path
 
-import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from garmentimage.dataset.wording import every_phrase
 from garmentimage.errors import LearnError
 from garmentimage.files import shown_path
 from garmentimage.learn.denoiser import Denoiser, shares
@@ -18,8 +15,8 @@ from garmentimage.text.guidance import Pictures
 
 SCALE = 3.0
 """How much more a text counts than its absence."""
-FAMILIAR = 0.5
-"""Texts whose meaning is less near than this to all that the model was told are strange to it."""
+NOISES = 2
+"""Put on each picture in a step."""
 
 
 class SmallDiffusion:
@@ -63,17 +60,3 @@ class SmallDiffusion:
         """The noise that it sees."""
         text = None if told is None else told.to(noisy).expand(len(noisy), -1)
         return self.model.noise(noisy, times, text)
-
-    def familiar(self, text: str) -> tuple[float, str]:
-        """How near the meaning of a text is to what it was told in training, and what is nearest.
-
-        From 1, the same, to 0 or less.
-        """
-        near = self._phrases[1] @ embedded([text])[0]
-        best = int(near.argmax())
-        return float(near[best]), self._phrases[0][best]
-
-    @cached_property
-    def _phrases(self) -> tuple[tuple[str, ...], np.ndarray]:
-        known = every_phrase()
-        return known, embedded(known)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import garmentimage as gi
 from garmentimage.draft.kinds import draft
 from garmentimage.draft.sample import sample
-from garmentimage.evaluate.traits import traits
+from garmentimage.metrics.traits import traits
 
 
 @settings(max_examples=20, deadline=None)

@@ -1,0 +1,38 @@
+"""What is true of a garment, of that which a text speaks of."""
+
+import pytest
+
+from garmentimage.draft.kinds import draft
+from garmentimage.text.contrast import nearest_phrase, true_of
+
+DRESS = draft("one-panel-dress", body_length=55)
+SLEEVED = draft("one-panel-dress", sleeves="set-in", sleeve_length=1.0, body_length=70)
+TROUSERS = draft("top-pants", leg_length=0.3)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "text", "true"),
+    [
+        (DRESS, "long sleeves", "sleeveless"),
+        (SLEEVED, "sleeveless", "long sleeves"),
+        (DRESS, "pants", "skirt"),
+        (TROUSERS, "a skirt", "pants"),
+        (TROUSERS, "dress", "a top and pants"),
+        (DRESS, "two pieces", "one piece"),
+        (DRESS, "long", "knee-length"),
+        (SLEEVED, "a mini dress", "long"),
+        (TROUSERS, "longer", "short"),
+        (DRESS, "with sleeves", "sleeveless"),
+        (DRESS, "V-neck", ""),
+        (DRESS, "quarterly tax report of a bank", ""),
+        (None, "long sleeves", ""),
+    ],
+)
+def test_a_text_is_set_against_what_is_true_in_its_aspect(pattern, text, true):
+    assert true_of(pattern, text) == true
+
+
+def test_texts_are_near_to_what_is_said_of_garments_or_strange():
+    near, phrase = nearest_phrase("with really long sleeves")
+    assert near > 0.7 and "long" in phrase
+    assert nearest_phrase("quarterly tax report of a bank")[0] < 0.35
