@@ -41,7 +41,7 @@ def edit_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--strength", type=float, default=1.0, metavar="X", help="how far it may change (1)"
     )
-    parser.add_argument("--steps", type=whole_number, metavar="N", help="(150)")
+    parser.add_argument("--steps", type=whole_number, metavar="N", help="(60)")
     parser.add_argument("--seed", type=whole_number, default=0, metavar="N")
     parser.add_argument("--space", metavar="NAME", help="a latent space or its folder (text-edit)")
     parser.add_argument(

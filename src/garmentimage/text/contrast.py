@@ -71,7 +71,10 @@ def said_of(found: Traits) -> dict[str, str]:
             found.length, SHORT_CM[legs], LONG_CM[legs],
             ("short", "cropped" if legs else "knee-length", "long"),
         ),
-        "width": _level(found.width, NARROW_CM[legs], WIDE_CM[legs], ("narrow", "", "wide")),
+        "width": _level(
+            found.width, NARROW_CM[legs], WIDE_CM[legs],
+            ("narrow", "straight-legged" if legs else "A-line", "wide"),
+        ),
     }  # fmt: skip
 
 

@@ -34,11 +34,11 @@ MOST_TEXT = 500
 """Characters of a text."""
 STRENGTHS, STEPS = (0.05, 20.0), (1, 5000)
 """Least and most of what may be asked."""
-PULL = 0.06
+PULL = 0.02
 """What the squared distance from the start costs at strength 1."""
-RATE = 0.06
+RATE = 0.1
 """Learning rate."""
-STEPS_USUAL = 150
+STEPS_USUAL = 60
 FRAMES = 6
 """Steps that are kept for the strip, with both ends."""
 SETTLE = 1
@@ -214,11 +214,13 @@ def denoiser_guidance(
     Raises:
         LearnError: there is none of that name, and no such folder.
     """
-    from garmentimage.text.small import NOISES, SCALE, SmallDiffusion
+    from garmentimage.text.small import NOISES, SCALE, SCHEDULE, SmallDiffusion
 
     folder = network_folder(DENOISER if name is None else name, denoiser_names(), "denoiser")
     model = SmallDiffusion(folder)
-    guidance = ScoreDistillation(model, **{"scale": SCALE, "noises": NOISES, **told})
+    guidance = ScoreDistillation(
+        model, **{"scale": SCALE, "noises": NOISES, "schedule": SCHEDULE, **told}
+    )
     return guidance, nearest_phrase(text)
 
 

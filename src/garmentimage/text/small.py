@@ -11,12 +11,14 @@ from garmentimage.files import shown_path
 from garmentimage.learn.denoiser import Denoiser, shares
 from garmentimage.learn.sentences import SIZE, embedded
 from garmentimage.learn.weights import load_weights
-from garmentimage.text.guidance import Pictures
+from garmentimage.text.guidance import Pictures, Schedule
 
-SCALE = 3.0
+SCALE = 6.0
 """How much more a text counts than its absence."""
 NOISES = 2
 """Put on each picture in a step."""
+SCHEDULE = Schedule(0.9, 0.5)
+"""Of their times: much noise, so that legs may become a skirt."""
 
 
 class SmallDiffusion:
