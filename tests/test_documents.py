@@ -36,6 +36,7 @@ DRAPE = (ROOT / "docs" / "drape.md").read_text(encoding="utf-8")
 PREDICT = (ROOT / "docs" / "predict.md").read_text(encoding="utf-8")
 EXPLORE = (ROOT / "docs" / "explore.md").read_text(encoding="utf-8")
 METRICS = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "text.md").read_text(encoding="utf-8")
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 
 
@@ -67,6 +68,22 @@ def test_the_commands_of_the_readme_run_as_written(tmp_path, monkeypatch, capsys
         assert program == "garmentimage"
         assert main(arguments) == 0, line
     assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_editing_by_text_runs_as_written(tmp_path, monkeypatch, capsys):
+    """And does what the picture there shows: the top of the dress stays, below it are two legs."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    for line in blocks(TEXT, "sh")[0].splitlines():
+        program, *arguments = shlex.split(line)
+        assert program == "garmentimage" and main(arguments) == 0, line
+    edited = load_pattern("out/edited/edited.json")
+    assert len(edited.panels) == 6 and (tmp_path / "out" / "edited" / "edited.glb").exists()
+    (code,) = blocks(TEXT, "python")
+    capsys.readouterr()
+    exec(code, {})
+    assert capsys.readouterr().out.startswith("() 6")
 
 
 @pytest.mark.slow
