@@ -5,6 +5,7 @@
 # make picture the pictures in the README
 # make explore networks of docs/explore.md, trained anew and measured: about 5 hours on two cores
 # make image   networks of docs/predict.md, likewise: about a day
+# make text    networks of docs/text.md, likewise
 # make bench   encode, decode, import and start, timed on one core
 
 OLDEST_TO_NEWEST := (3, 11) <= sys.version_info[:2] <= (3, 13)
@@ -15,7 +16,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 WORKERS ?= 2
 
-.PHONY: demo test check lint corpus picture explore image bench clean
+.PHONY: demo test check lint corpus picture explore image text bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
@@ -64,6 +65,9 @@ explore: $(VENV)/ready-dev
 
 image: $(VENV)/ready-dev
 	scripts/image.sh $(BIN)/garmentimage
+
+text: $(VENV)/ready-dev
+	scripts/text.sh $(BIN)/garmentimage
 
 bench: $(VENV)/ready
 	$(BIN)/python benchmarks/speed.py

@@ -50,6 +50,7 @@ def test_a_body_that_stands_straight_stays_as_it_is(body):
     assert np.abs(again.vertices - once.vertices).max() < 0.5
 
 
+@pytest.mark.slow
 def test_the_inside_of_a_leg_stays_inside():
     straight = stand_straight(load_body("mean-female"))
     field = distance_field(straight.vertices, straight.faces)

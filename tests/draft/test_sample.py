@@ -32,6 +32,7 @@ def test_a_garment_depends_on_its_seed_and_index_alone(kind, seed, count):
     assert together == apart
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", ["skirt", TEMPLATE])
 def test_workers_change_nothing(source):
     source = Template.read(source) if isinstance(source, Path) else source

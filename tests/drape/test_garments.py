@@ -94,6 +94,7 @@ def digest(name: str) -> str:
     return hashlib.sha256(found.points.tobytes() + found.cloth.faces.tobytes()).hexdigest()
 
 
+@pytest.mark.slow
 def test_the_same_garment_gives_the_same_bits_in_every_process():
     code = "from tests.drape.test_garments import digest; print(digest('dress'))"
     other = subprocess.run(

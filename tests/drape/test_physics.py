@@ -28,6 +28,7 @@ def energy(rest, points, stretch):
     return 0.5 * (stiffness * (np.linalg.norm(b - a, axis=1) - rest.length) ** 2).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("links", [10, 20, 40])
 def test_a_hanging_strip_stretches_by_the_known_amount_however_many_links_it_has(links):
     height = 100.0

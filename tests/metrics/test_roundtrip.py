@@ -59,6 +59,7 @@ def test_a_garment_written_otherwise_is_the_same_garment(garment, seed, shift, s
     assert min(result.iou.values()) > 0.999
 
 
+@pytest.mark.slow
 @given(garments, st.data())
 def test_a_damaged_garment_is_another_one(garment, data):
     number = data.draw(st.integers(0, len(garment.stitches) - 1))

@@ -168,6 +168,7 @@ def test_panels_without_counterpart_are_named():
     ]
 
 
+@pytest.mark.slow
 @given(st.permutations(range(6)))
 def test_equal_gores_may_be_any_of_each_other(order):
     garment = six_gores()

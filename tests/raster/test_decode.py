@@ -45,6 +45,7 @@ def noise(draw):
     return np.round(array) if draw(st.booleans()) else array
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(noise(), st.sampled_from(LEVELS))
 def test_noise_gives_a_valid_pattern_or_a_typed_error(array, level):

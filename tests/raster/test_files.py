@@ -317,6 +317,7 @@ def test_a_header_that_promises_terabytes_costs_nothing(tmp_path):
     assert "another size" in refusal(tmp_path / "big.npy")
 
 
+@pytest.mark.slow
 def test_a_zip_bomb_is_not_unpacked(tmp_path, saved):
     with (
         zipfile.ZipFile(saved, "a", zipfile.ZIP_DEFLATED) as archive,
@@ -336,6 +337,7 @@ def test_a_zip_bomb_is_not_unpacked(tmp_path, saved):
     assert "unpacks to more" in refusal(bomb)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
 def test_a_zip_bomb_that_lies_about_its_size_costs_no_memory(saved, packing):
     with zipfile.ZipFile(saved) as old:

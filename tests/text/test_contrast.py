@@ -5,6 +5,7 @@ import pytest
 from garmentimage.draft.kinds import draft
 from garmentimage.text.contrast import nearest_phrase, true_of
 
+pytestmark = pytest.mark.slow  # the sentence encoder loads for some seconds
 DRESS = draft("one-panel-dress", body_length=55)
 SLEEVED = draft("one-panel-dress", sleeves="set-in", sleeve_length=1.0, body_length=70)
 TROUSERS = draft("top-pants", leg_length=0.3)
