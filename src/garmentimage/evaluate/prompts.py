@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from garmentimage.body.measurements import measurements
-from garmentimage.metrics.traits import Traits, split_sleeves
+from garmentimage.metrics.traits import Traits, placed_panels
 from garmentimage.metrics.validity import drawing_faults
 from garmentimage.pattern.model import Pattern
 from garmentimage.text.contrast import (
@@ -110,7 +110,7 @@ def _staying(pattern: Pattern, touched: Touched, is_front: bool) -> list[Any]:
 
     above = shapely.box(-400, measurements("mean-female").waist_height, 400, 400)
     found = []
-    for placed in split_sleeves(pattern):
+    for placed in placed_panels(pattern):
         if placed.is_front != is_front or (touched == "sleeves" and placed.is_sleeve):
             continue
         cloth = shapely.make_valid(shapely.Polygon(placed.outline))

@@ -53,7 +53,7 @@ def traits(pattern: Pattern | None) -> Traits | None:
     """What a garment is like; None where there is nothing to see in front."""
     if pattern is None or any(drawing_faults(panel) for panel in pattern.panels):
         return None
-    sides = [each for each in split_sleeves(pattern) if each.is_front]
+    sides = [each for each in placed_panels(pattern) if each.is_front]
     sleeves = [each.outline for each in sides if each.is_sleeve]
     body = _beside([each.outline for each in sides if not each.is_sleeve])
     if not body:
@@ -80,7 +80,7 @@ class Placed:
     is_sleeve: bool
 
 
-def split_sleeves(pattern: Pattern) -> list[Placed]:
+def placed_panels(pattern: Pattern) -> list[Placed]:
     """The panels of a pattern, and which of them are sleeves."""
     worlds = [panel.to_world(loop_polygon(panel.outline)) for panel in pattern.panels]
     top = max((float(world[:, 1].max()) for world in worlds), default=0.0)
