@@ -9,9 +9,11 @@ import shlex
 import shutil
 from pathlib import Path
 
+import nbformat
 import numpy as np
 import pytest
 import shapely
+from nbclient import NotebookClient
 from PIL import Image
 
 from garmentimage.body.measurements import NAMES, BodyMeasurements
@@ -84,6 +86,20 @@ def test_editing_by_text_runs_as_written(tmp_path, monkeypatch, capsys):
     capsys.readouterr()
     exec(code, {})
     assert capsys.readouterr().out.startswith("() 6")
+
+
+@pytest.mark.slow
+def test_the_notebook_of_editing_by_text_runs_and_ends_with_a_garment(tmp_path, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    notebook = nbformat.read(ROOT / "docs" / "edit.ipynb", as_version=4)
+    assert not any(cell.get("outputs") for cell in notebook.cells), "saved with its outputs"
+    place = {"metadata": {"path": str(tmp_path)}}
+    NotebookClient(notebook, timeout=300, kernel_name="python3", resources=place).execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert sum("image/png" in output.get("data", ()) for output in outputs) == 3
+    said = "".join(output["text"] for output in outputs if output["output_type"] == "stream")
+    assert "valid - 10 panels" in said  # networks know sleeves that are cut front and back
+    assert len(load_pattern(tmp_path / "short-pants.json").panels) == 10
 
 
 @pytest.mark.slow
