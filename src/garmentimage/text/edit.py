@@ -25,7 +25,7 @@ from garmentimage.learn.weights import load_weights
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
-from garmentimage.text.contrast import contrast, nearest_phrase
+from garmentimage.text.contrast import nearest_phrase, true_of
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
 
 SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
@@ -139,7 +139,8 @@ class TextEditor:
             moments[0],
             self.pictures,
             guidance,
-            *contrast(given.pattern, words),
+            words,
+            true_of(given.pattern, words),
             strength=strength,
             steps=steps,
             progress=keep,
@@ -177,7 +178,7 @@ def moved(
         pictures: what garments look like.
         guidance: which way pictures should change.
         text: what they should show.
-        said: what of it is true of the garment as it is, see `contrast`.
+        said: what of it is true of the garment as it is, see `true_of`.
         strength: how far it may go.
         steps: of the optimisation.
         progress: called after every step.
