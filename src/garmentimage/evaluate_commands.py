@@ -339,7 +339,7 @@ def _run_edit(options: argparse.Namespace) -> Exit:
         "data_sha256": dataset_hash(options.data),
         "split": "validation" if validation else "test",
         "garments": count,
-        "editors": [vars(each) for each in editors],
+        "editors": [_named(each) for each in editors],
         "figures": figures,
     }
     _put(options.out, result, text_table(figures))
@@ -382,6 +382,22 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
         Editing("no guidance", "nothing", str(options.data), str(space)),
         Editing("nearest caption", "caption", str(options.data)),
     ]
+
+
+def _named(editing: "Editing") -> dict[str, Any]:
+    """An editor for a result: networks that come with the package by name, not by place."""
+    from garmentimage.explore.space import network_folder
+
+    def named(folder: str) -> str:
+        is_shipped = bool(folder) and Path(folder) == network_folder(
+            Path(folder).name, (Path(folder).name,), "network"
+        )
+        return Path(folder).name if is_shipped else folder
+
+    return {
+        **vars(editing),
+        **{name: named(getattr(editing, name)) for name in ("space", "pictures", "denoiser")},
+    }
 
 
 # --- What they share -----------------------------------------------------------------------------
