@@ -386,17 +386,11 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
 
 def _named(editing: "Editing") -> dict[str, Any]:
     """An editor for a result: networks that come with the package by name, not by place."""
-    from garmentimage.explore.space import network_folder
-
-    def named(folder: str) -> str:
-        is_shipped = bool(folder) and Path(folder) == network_folder(
-            Path(folder).name, (Path(folder).name,), "network"
-        )
-        return Path(folder).name if is_shipped else folder
+    from garmentimage.explore.space import SHIPPED
 
     return {
-        **vars(editing),
-        **{name: named(getattr(editing, name)) for name in ("space", "pictures", "denoiser")},
+        name: Path(value).name if value and Path(str(value)).parent == SHIPPED else value
+        for name, value in vars(editing).items()
     }
 
 

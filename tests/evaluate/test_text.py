@@ -59,7 +59,7 @@ def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
 
 
 @pytest.mark.slow
-def test_a_table_has_everyone_who_edits(trained, tmp_path, capsys):
+def test_a_table_has_everyone_who_edits(trained, tmp_path, monkeypatch, capsys):
     folder = trained
     words = [
         "evaluate", "edit", "--data", folder / "data", "--space", folder / "vae" / "model",
@@ -78,8 +78,12 @@ def test_a_table_has_everyone_who_edits(trained, tmp_path, capsys):
     assert (tmp_path / "out" / "table.md").read_text().count("\n") > 12
     assert np.asarray(Image.open(tmp_path / "out" / "edits.png")).shape[0] > 1500
     before = {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")}
+    assert told["editors"][0]["space"] == str(folder / "vae" / "model")
+    monkeypatch.setattr("garmentimage.explore.space.SHIPPED", folder / "vae")
     assert main(list(map(str, words))) == 0  # nothing is left to do
     assert {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")} == before
+    told = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert told["editors"][0]["space"] == "model"  # a network that is shipped, by its name
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,8 @@ from garmentimage.raster.encode import encode
 from garmentimage.raster.image import CHANNEL_CONTRACT, GarmentImage
 from garmentimage.raster.repair import RepairLevel, RepairReport, repair
 
+SHIPPED = Path(str(files("garmentimage") / "weights"))
+"""Where networks lie that come with the package."""
 CONFIG, ENCODER, DECODER, GARMENTS = "config.json", "encoder.onnx", "decoder.onnx", "garments.npz"
 DEFAULT = "vae-variety"
 LIKE_IOU = 0.85
@@ -257,10 +259,7 @@ def space_names() -> tuple[str, ...]:
 
 def shipped_names(file: str) -> tuple[str, ...]:
     """Names of the networks that come with the package and have this file."""
-    folder = files("garmentimage") / "weights"
-    if not folder.is_dir():
-        return ()
-    return tuple(sorted(each.name for each in folder.iterdir() if (each / file).is_file()))
+    return tuple(sorted(found.parent.name for found in SHIPPED.glob(f"*/{file}")))
 
 
 def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
@@ -270,7 +269,7 @@ def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
         LearnError: there is none of that name, and no such folder.
     """
     if str(name) in known:
-        return Path(str(files("garmentimage") / "weights")) / str(name)
+        return SHIPPED / str(name)
     try:
         is_folder = Path(name).is_dir()
     except (OSError, ValueError):  # a name that no file can have
