@@ -50,7 +50,9 @@ def edit_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model", metavar="NAME", help="a denoiser (text-edit-denoiser); sd: a folder or hub id"
     )
-    parser.add_argument("--scale", type=float, metavar="X", help="how much the text counts")
+    parser.add_argument(
+        "--scale", type=float, metavar="X", help="how much the text counts (by text)"
+    )
     parser.add_argument("--negative", metavar="TEXT", help="what it should not be")
     parser.add_argument(
         "--wrap", metavar="TEXT", help="what the text is wrapped in, {} where it goes"

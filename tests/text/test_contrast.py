@@ -3,7 +3,7 @@
 import pytest
 
 from garmentimage.draft.kinds import draft
-from garmentimage.text.contrast import nearest_phrase, true_of
+from garmentimage.text.contrast import contrast, nearest_phrase
 
 pytestmark = pytest.mark.slow  # the sentence encoder loads for some seconds
 DRESS = draft("one-panel-dress", body_length=55)
@@ -20,9 +20,7 @@ TROUSERS = draft("top-pants", leg_length=0.3)
         (TROUSERS, "a skirt", "pants"),
         (TROUSERS, "dress", "a top and pants"),
         (DRESS, "two pieces", "one piece"),
-        (DRESS, "long", "knee-length"),
         (SLEEVED, "a mini dress", "long"),
-        (TROUSERS, "longer", "short"),
         (DRESS, "with sleeves", "sleeveless"),
         (DRESS, "V-neck", ""),
         (DRESS, "quarterly tax report of a bank", ""),
@@ -30,7 +28,12 @@ TROUSERS = draft("top-pants", leg_length=0.3)
     ],
 )
 def test_a_text_is_set_against_what_is_true_in_its_aspect(pattern, text, true):
-    assert true_of(pattern, text) == true
+    assert contrast(pattern, text) == (text, true)
+
+
+def test_what_is_said_of_skirts_and_of_legs_alike_is_told_with_what_the_garment_has():
+    assert contrast(DRESS, "long") == ("long, skirt", "knee-length, skirt")
+    assert contrast(TROUSERS, "longer") == ("longer, pants", "short, pants")
 
 
 def test_texts_are_near_to_what_is_said_of_garments_or_strange():

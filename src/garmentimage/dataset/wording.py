@@ -142,6 +142,18 @@ def aspect_of(phrase: str) -> str:
 
 
 @cache
+def of_all_kinds() -> frozenset[str]:
+    """Phrases for parameters of more than one kind: "short" may be a skirt, or legs."""
+    told = [
+        {phrase for levels in aspects.values() for _, _, words in levels for phrase in words}
+        for aspects in LEVELS.values()
+    ]
+    return frozenset(
+        phrase for words in told for phrase in words if sum(phrase in w for w in told) > 1
+    )
+
+
+@cache
 def _aspects() -> dict[str, str]:
     """Phrases with their aspects."""
     groups = [

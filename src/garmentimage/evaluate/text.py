@@ -28,7 +28,7 @@ from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.traits import traits
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
-from garmentimage.text.contrast import true_of
+from garmentimage.text.contrast import contrast
 from garmentimage.text.edit import SETTLE, STEPS_USUAL, check_pair, denoiser_guidance, moved
 
 SEED = 50
@@ -177,8 +177,7 @@ def _moved(editing: Editing, z: np.ndarray, start: Pattern, text: str) -> np.nda
         torch.from_numpy(np.asarray(z, np.float32)),
         _pictures(editing.pictures),
         guidance,
-        text,
-        true_of(start, text),
+        *contrast(start, text),
         strength=editing.strength,
         steps=editing.steps,
     )

@@ -1,8 +1,9 @@
 """What is true of a garment, of that which a text speaks of: what an edit sets the text against.
 
 "Long sleeves" is set against "sleeveless" where there are none: the difference is about sleeves
-and nothing else. It is read off the pattern by geometry; what cannot be read, such as necklines, is
-left out.
+and nothing else. Words that are said of skirts and of legs alike, such as "wide", are told with
+what the garment has, on both sides: else most of what is wide in the model's eyes has legs. What is
+true is read off the pattern by geometry; what cannot be read, such as necklines, is left out.
 """
 
 from functools import cache
@@ -10,7 +11,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.dataset.wording import aspect_of, every_phrase
+from garmentimage.dataset.wording import aspect_of, every_phrase, of_all_kinds
 from garmentimage.learn.sentences import embedded
 from garmentimage.metrics.traits import Traits, traits
 from garmentimage.pattern.model import Pattern
@@ -19,8 +20,9 @@ FAMILIAR = 0.5
 """Texts whose meaning is less near than this to all that is said of garments are strange."""
 SHORT_CM, LONG_CM = (48.0, 60.0), (62.0, 78.0)
 """Skirts and legs that end less far below the waist are short, those that end further are long."""
-NARROW_CM, WIDE_CM = (48.0, 20.0), (66.0, 34.0)
-"""Skirts and legs that are less wide at the hem, from side to side, are narrow, wider ones wide."""
+NARROW_CM, WIDE_CM = (46.0, 25.0), (68.0, 31.0)
+"""Skirts and legs that are less wide at the hem, from side to side, are narrow, wider ones wide:
+the outer quarters of the garments that `text-edit` trains on."""
 SHORT_SLEEVE_CM, LONG_SLEEVE_CM = 31.0, 44.0
 """Sleeves that are shorter or longer than this, of the default body: they end before 60 % and after
 83 % of the arm."""
@@ -40,18 +42,25 @@ def nearest_phrase(text: str) -> tuple[float, str]:
     return float(near[best]), phrases[best]
 
 
-def true_of(pattern: Pattern | None, text: str) -> str:
-    """What is true of a garment, of that which a text speaks of; empty if it is not known.
+def contrast(pattern: Pattern | None, text: str) -> tuple[str, str]:
+    """A text as a model should be told it of a garment, and what is true instead.
 
     Args:
         pattern: the garment; None if it is none.
         text: what is said.
+
+    Returns:
+        The text, and what is true of that which it speaks of; empty if that is not known.
     """
     found = traits(pattern)
     near, phrase = nearest_phrase(text)
     if found is None or near < FAMILIAR:
-        return ""
-    return said_of(found).get(aspect_of(phrase), "")
+        return text, ""
+    said = said_of(found)
+    true = said.get(aspect_of(phrase), "")
+    if phrase in of_all_kinds():
+        return f"{text}, {said['bottom']}", f"{true}, {said['bottom']}"
+    return text, true
 
 
 def said_of(found: Traits) -> dict[str, str]:

@@ -25,7 +25,7 @@ from garmentimage.learn.weights import load_weights
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
-from garmentimage.text.contrast import nearest_phrase, true_of
+from garmentimage.text.contrast import contrast, nearest_phrase
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
 
 SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
@@ -139,8 +139,7 @@ class TextEditor:
             moments[0],
             self.pictures,
             guidance,
-            words,
-            true_of(given.pattern, words),
+            *contrast(given.pattern, words),
             strength=strength,
             steps=steps,
             progress=keep,
@@ -178,13 +177,13 @@ def moved(
         pictures: what garments look like.
         guidance: which way pictures should change.
         text: what they should show.
-        said: what of it is true of the garment as it is, see `true_of`.
+        said: what of it is true of the garment as it is, see `contrast`.
         strength: how far it may go.
         steps: of the optimisation.
         progress: called after every step.
     """
     with torch.no_grad():
-        guidance.start(pictures.draw(z[None]), said)
+        guidance.start(pictures.draw(z[None]), text, said)
     return descent(
         z,
         pictures.draw,
@@ -214,13 +213,14 @@ def denoiser_guidance(
     Raises:
         LearnError: there is none of that name, and no such folder.
     """
-    from garmentimage.text.small import NOISES, SCALE, SCHEDULE, SmallDiffusion
+    from garmentimage.text.small import EVENLY, NOISES, SCHEDULE, SmallDiffusion
 
     folder = network_folder(DENOISER if name is None else name, denoiser_names(), "denoiser")
     model = SmallDiffusion(folder)
-    guidance = ScoreDistillation(
-        model, **{"scale": SCALE, "noises": NOISES, "schedule": SCHEDULE, **told}
+    usual = {"noises": NOISES, "schedule": SCHEDULE} | (
+        {} if "scale" in told else {"evenly": EVENLY}
     )
+    guidance = ScoreDistillation(model, **{**usual, **told})
     return guidance, nearest_phrase(text)
 
 
