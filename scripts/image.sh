@@ -42,22 +42,20 @@ for recipe in d2 d1; do
     epochs=32
 done
 
-recipe=leave-one-out
-"$run" build "$recipe" --count 2000 -o "data/$recipe"
+recipe=leave-one-out # 20 minutes of one core for each network
+"$run" build "$recipe" --count 1000 -o "data/$recipe"
 for kind in one-panel-dress one-panel-jumpsuit top-skirt top-pants shirt skirt pants tee tank jacket \
     hoodie; do
-    train "cascade-$kind" cascade 14 --without "$kind"
-done
-for kind in top-skirt top-pants; do
-    train "whole-$kind" cascade 14 $whole --without "$kind"
+    train "cascade-$kind" cascade 6 --without "$kind"
 done
 for kind in top-skirt tee hoodie; do
-    train "panel-transformer-$kind" panel-transformer 5 --rate 0.0005 --batch 32 --without "$kind"
-    train "panel-recurrent-$kind" panel-recurrent 11 --rate 0.004 --without "$kind"
+    train "panel-transformer-$kind" panel-transformer 7 --rate 0.0005 --batch 32 --without "$kind"
+    train "panel-recurrent-$kind" panel-recurrent 15 --rate 0.004 --without "$kind"
 done
-"$run" evaluate image --recipe "$recipe" --seen 100 --unseen 100 --parts 50 --draped 50 \
+"$run" evaluate image --recipe "$recipe" --seen 100 --unseen 49 --parts 49 --draped 10 \
     -o "runs/image-$recipe"
 
-"$run" train cascade --data "data/$recipe" --epochs 32 -o runs/image-wide
-"$run" evaluate image --recipe "$recipe" --network wide=runs/image-wide --seen 500 --parts 200 --draped 100 \
+"$run" build "$recipe" --count 2000 -o data/wide
+"$run" train cascade --data data/wide --epochs 32 -o runs/image-wide
+"$run" evaluate image --data data/wide --network wide=runs/image-wide --seen 500 --parts 200 --draped 100 \
     -o runs/image-wide-figures
