@@ -35,6 +35,7 @@ ONLY_OF = {
     "vector_pictures": ("edit",),
     "strength": ("edit",),
     "steps": ("edit",),
+    "tries": ("edit",),
     **dict.fromkeys(EXPLORE, ("explore",)),
     **dict.fromkeys(IMAGE, ("image",)),
     **dict.fromkeys(EDIT, ("edit",)),
@@ -77,6 +78,7 @@ def evaluate_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--strength", type=float, metavar="X", help="edit: (1)")
     parser.add_argument("--steps", type=whole_number, metavar="N", help="edit: of each edit")
+    parser.add_argument("--tries", type=whole_number, metavar="N", help="edit: most of each edit")
     for subject, amounts in (("explore", EXPLORE), ("image", IMAGE), ("edit", EDIT)):
         for name, default in amounts.items():
             parser.add_argument(
@@ -352,6 +354,7 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
     from garmentimage.evaluate.text import Editing
     from garmentimage.explore.space import LatentSpace, network_folder
     from garmentimage.text import edit
+    from garmentimage.text.tries import FURTHER
 
     pictures = network_folder(
         options.pictures or edit.PICTURES, edit.picture_names(), "picture network"
@@ -360,9 +363,11 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
     space = LatentSpace.load(options.space or edit.SPACE).folder
     steps = edit.STEPS_USUAL if options.steps is None else options.steps
     strength = 1.0 if options.strength is None else options.strength
-    edit.check_amounts(strength, steps)
+    tries = len(FURTHER) if options.tries is None else options.tries
+    edit.check_amounts(strength, steps, tries)
     common: dict[str, Any] = {
-        "data": str(options.data), "denoiser": str(denoiser), "strength": strength, "steps": steps
+        "data": str(options.data), "denoiser": str(denoiser), "strength": strength, "steps": steps,
+        "tries": tries,
     }  # fmt: skip
     found = [
         Editing("small guidance", "raster", space=str(space), pictures=str(pictures), **common)

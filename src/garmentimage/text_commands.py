@@ -42,6 +42,12 @@ def edit_arguments(parser: argparse.ArgumentParser) -> None:
         "--strength", type=float, default=1.0, metavar="X", help="how far it may change (1)"
     )
     parser.add_argument("--steps", type=whole_number, metavar="N", help="(60)")
+    parser.add_argument(
+        "--tries",
+        type=whole_number,
+        metavar="N",
+        help="how often it may look at what it made and try again (4)",
+    )
     parser.add_argument("--seed", type=whole_number, default=0, metavar="N")
     parser.add_argument("--space", metavar="NAME", help="a latent space or its folder (text-edit)")
     parser.add_argument(
@@ -50,9 +56,7 @@ def edit_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model", metavar="NAME", help="a denoiser (text-edit-denoiser); sd: a folder or hub id"
     )
-    parser.add_argument(
-        "--scale", type=float, metavar="X", help="how much the text counts (by text)"
-    )
+    parser.add_argument("--scale", type=float, metavar="X", help="how much the text counts")
     parser.add_argument("--negative", metavar="TEXT", help="what it should not be")
     parser.add_argument(
         "--wrap", metavar="TEXT", help="what the text is wrapped in, {} where it goes"
@@ -77,10 +81,12 @@ def run_edit(options: argparse.Namespace) -> Exit:
         check_amounts,
         checked_text,
     )
+    from garmentimage.text.tries import FURTHER
 
     text = checked_text(options.text)
     steps = STEPS_USUAL if options.steps is None else options.steps
-    check_amounts(options.strength, steps)
+    tries = len(FURTHER) if options.tries is None else options.tries
+    check_amounts(options.strength, steps, tries)
     _check_results(options.out, options.garment)
     editor = TextEditor.load(
         SPACE if options.space is None else options.space,
@@ -90,13 +96,21 @@ def run_edit(options: argparse.Namespace) -> Exit:
     guidance = _guidance(options, text)
     assert given.image is not None  # `LatentSpace.given` has one
     with tqdm(total=steps, unit="step", disable=None, file=sys.stderr) as bar:
+
+        def at(done: int, _: int) -> None:
+            if done == 1 and bar.n:
+                bar.set_description("another try")
+                bar.reset()
+            bar.update()
+
         found = editor.edit(
             given.image,
             text,
             guidance,
             strength=options.strength,
             steps=steps,
-            progress=lambda done, total: bar.update(),
+            tries=tries,
+            progress=at,
         )
     return _write(options, found, text)
 
@@ -168,16 +182,18 @@ def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
     for name in RESULTS:
         if options.out / name not in results:  # what an earlier edit left
             (options.out / name).unlink(missing_ok=True)
-    return _tell(options, after)
+    return _tell(options, found, after)
 
 
-def _tell(options: argparse.Namespace, after: "Shown") -> Exit:
+def _tell(options: argparse.Namespace, found: "TextEdit", after: "Shown") -> Exit:
     step = after.step
     told: dict[str, Any] = {
         "out": str(options.out),
         "panels": len(step.pattern.panels) if step.pattern else 0,
         "repairs": {k: n for k, n in (step.repairs.counts if step.repairs else {}).items() if n},
         "faults": [one_line(fault) for fault in after.faults],
+        "done": found.done,
+        "tries": found.tries,
     }
     if options.json:
         print_json(told)
@@ -188,6 +204,14 @@ def _tell(options: argparse.Namespace, after: "Shown") -> Exit:
     if told["faults"]:
         said += f"; NOT a garment that can be worn: {'; '.join(told['faults'])}"
     print(said)
+    if found.done is not None:
+        tries = f"{found.tries} tries" if found.tries > 1 else "one try"
+        print(
+            f"by the shape of its panels, it is {quoted(options.text)} now ({tries})"
+            if found.done
+            else f"by the shape of its panels, it is NOT {quoted(options.text)} ({tries}); "
+            "say it in other words, or try --strength 2"
+        )
     print(f"{shown_path(options.out / 'strip.png')}: the way there")
     return Exit.OK
 

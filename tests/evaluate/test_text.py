@@ -9,7 +9,8 @@ from PIL import Image
 
 from garmentimage.cli import main
 from garmentimage.draft.kinds import draft
-from garmentimage.evaluate.prompts import EXTREME, PROMPTS, is_asked, kept
+from garmentimage.evaluate.prompts import EXTREME, PROMPTS, is_asked
+from garmentimage.metrics.kept import kept
 from garmentimage.metrics.traits import traits
 
 DRESS, TROUSERS = draft("one-panel-dress"), draft("top-pants")
@@ -50,12 +51,12 @@ def test_there_are_twelve_prompts_in_three_groups():
 def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
     longer = draft("one-panel-dress", body_length=70)
     sleeved = draft("one-panel-dress", sleeves="set-in", sleeve_length=1.0)
-    assert kept(BY_TEXT["long"], DRESS, longer) > 0.99
-    assert kept(BY_TEXT["long sleeves"], DRESS, longer) < 0.9
-    assert kept(BY_TEXT["long sleeves"], DRESS, sleeved) > 0.97
-    assert kept(BY_TEXT["long"], DRESS, sleeved) < 0.9
-    assert kept(BY_TEXT["pants"], DRESS, None) == 0
-    assert kept(BY_TEXT["pants"], DRESS, DRESS) == pytest.approx(1)
+    assert kept(BY_TEXT["long"].touches, DRESS, longer) > 0.99
+    assert kept(BY_TEXT["long sleeves"].touches, DRESS, longer) < 0.9
+    assert kept(BY_TEXT["long sleeves"].touches, DRESS, sleeved) > 0.97
+    assert kept(BY_TEXT["long"].touches, DRESS, sleeved) < 0.9
+    assert kept(BY_TEXT["pants"].touches, DRESS, None) == 0
+    assert kept(BY_TEXT["pants"].touches, DRESS, DRESS) == pytest.approx(1)
 
 
 @pytest.mark.slow

@@ -77,6 +77,8 @@ LEVELS: Mapping[str, Mapping[str, tuple[tuple[float, float, tuple[str, ...]], ..
     },
 }
 """Phrases for parameters of at least one value and less than another, by aspect."""
+BOTTOMS = {"body_length": "skirt", "flare": "skirt", "leg_length": "pants", "leg_flare": "pants"}
+"""What parameters are of that tell lengths and widths."""
 NO_SLEEVES = ("sleeveless", "no sleeves", "without sleeves")
 ANY_SLEEVES = ("sleeves", "with sleeves")
 NECKLINES: Phrases = {
@@ -142,21 +144,32 @@ def aspect_of(phrase: str) -> str:
 
 
 @cache
-def of_all_kinds() -> frozenset[str]:
-    """Phrases for parameters of more than one kind: "short" may be a skirt, or legs."""
-    told = [
-        {phrase for levels in aspects.values() for _, _, words in levels for phrase in words}
-        for aspects in LEVELS.values()
-    ]
+def alike(phrase: str) -> frozenset[str]:
+    """All phrases that are said of the same garments, the phrase among them."""
+    return frozenset(word for _, words in _groups() if phrase in words for word in words)
+
+
+@cache
+def bottoms_of(phrase: str) -> frozenset[str]:
+    """Of what a length or width is said: "skirt", "pants" or both; of other phrases nothing."""
     return frozenset(
-        phrase for words in told for phrase in words if sum(phrase in w for w in told) > 1
+        bottom
+        for name, bottom in BOTTOMS.items()
+        for levels in LEVELS[name].values()
+        for _, _, words in levels
+        if phrase in words
     )
 
 
 @cache
 def _aspects() -> dict[str, str]:
     """Phrases with their aspects."""
-    groups = [
+    return {phrase: aspect for aspect, words in _groups() for phrase in words}
+
+
+def _groups() -> list[tuple[str, tuple[str, ...]]]:
+    """Phrases that are said together, with their aspect."""
+    return [
         *(told for kind in KINDS.values() for told in kind.items()),
         *((aspect, words) for aspects in LEVELS.values() for aspect, levels in aspects.items()
           for _, _, words in levels),
@@ -164,7 +177,6 @@ def _aspects() -> dict[str, str]:
         ("sleeves", NO_SLEEVES),
         ("any sleeves", ANY_SLEEVES),
     ]  # fmt: skip
-    return {phrase: aspect for aspect, words in groups for phrase in words}
 
 
 def _has_sleeves(parameters: Mapping[str, Any]) -> bool:

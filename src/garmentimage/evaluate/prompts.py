@@ -6,14 +6,11 @@ against the garment as it was: what is asked for is a change.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
-import numpy as np
-
-from garmentimage.body.measurements import measurements
-from garmentimage.metrics.traits import Traits, placed_panels
-from garmentimage.metrics.validity import drawing_faults
-from garmentimage.pattern.model import Pattern
+from garmentimage.metrics.kept import Touched
+from garmentimage.metrics.traits import Traits
+from garmentimage.text.asked import LONGER_CM, WIDER
 from garmentimage.text.contrast import (
     LONG_CM,
     LONG_SLEEVE_CM,
@@ -22,15 +19,6 @@ from garmentimage.text.contrast import (
     SHORT_SLEEVE_CM,
     WIDE_CM,
 )
-
-LONGER_CM = 5.0
-"""Less is no change of length."""
-WIDER = 1.1
-"""Nor is a width of less than this times the other."""
-LEAST_PIECE = 100.0
-"""Pieces of a panel above the waist that are smaller are not looked at [cm2]."""
-
-Touched = Literal["sleeves", "below the waist"]
 
 
 @dataclass(frozen=True)
@@ -79,44 +67,3 @@ def is_asked(prompt: Prompt, start: Traits) -> bool:
     if prompt.group == "geometry":
         return not EXTREME[prompt.text](start)
     return not prompt.holds(start, start)
-
-
-def kept(prompt: Prompt, start: Pattern, end: Pattern | None) -> float:
-    """How much of what a text does not speak of stays: the mean IoU of the panels there.
-
-    Where sleeves may change, all panels but them are looked at, else all that is of any panel above
-    the waist. Centroids are aligned, as in `panel_iou`; what is missing or new counts 0.
-    """
-    import shapely
-    from scipy.optimize import linear_sum_assignment
-
-    if end is None or any(drawing_faults(panel) for panel in end.panels):
-        return 0.0
-    ious: list[float] = []
-    for is_front in (True, False):
-        one, two = (_staying(pattern, prompt.touches, is_front) for pattern in (start, end))
-        shared = np.array(
-            [[shapely.intersection(a, b).area / shapely.union(a, b).area for b in two] for a in one]
-        ).reshape(len(one), len(two))
-        pairs = linear_sum_assignment(shared, maximize=True)
-        ious += [*shared[pairs], *[0.0] * abs(len(one) - len(two))]
-    return float(np.mean(ious)) if ious else 1.0
-
-
-def _staying(pattern: Pattern, touched: Touched, is_front: bool) -> list[Any]:
-    """What of each panel should stay, its centroid at the origin, before the body or behind it."""
-    import shapely
-    import shapely.affinity
-
-    above = shapely.box(-400, measurements("mean-female").waist_height, 400, 400)
-    found = []
-    for placed in placed_panels(pattern):
-        if placed.is_front != is_front or (touched == "sleeves" and placed.is_sleeve):
-            continue
-        cloth = shapely.make_valid(shapely.Polygon(placed.outline))
-        if touched != "sleeves":
-            cloth = shapely.intersection(cloth, above)
-        if cloth.area > LEAST_PIECE:
-            x, y = cloth.centroid.x, cloth.centroid.y
-            found.append(shapely.affinity.translate(cloth, -x, -y))
-    return found

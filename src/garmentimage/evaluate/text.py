@@ -17,7 +17,7 @@ from garmentimage.dataset.sheet import dataset_hash
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
 from garmentimage.evaluate.garment import seen
-from garmentimage.evaluate.prompts import PROMPTS, is_asked, kept
+from garmentimage.evaluate.prompts import PROMPTS, is_asked
 from garmentimage.evaluate.records import Records
 from garmentimage.explore.space import LatentSpace, Step
 from garmentimage.files import shown_path
@@ -25,11 +25,13 @@ from garmentimage.learn.image_decoder import ImageDecoder
 from garmentimage.learn.sentences import embedded
 from garmentimage.learn.weights import load_weights
 from garmentimage.metrics.intervals import interval
+from garmentimage.metrics.kept import kept
 from garmentimage.metrics.traits import traits
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.text.contrast import contrast
 from garmentimage.text.edit import SETTLE, STEPS_USUAL, check_pair, denoiser_guidance, moved
+from garmentimage.text.tries import FURTHER, best_try
 
 SEED = 50
 TIME_LIMIT_S = 600.0
@@ -50,6 +52,7 @@ class Editing:
     denoiser: str = ""
     strength: float = 1.0
     steps: int = STEPS_USUAL
+    tries: int = len(FURTHER)
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ def evaluate(
         each.name: told | {
             name: weights_hash(Path(getattr(each, name))) if getattr(each, name) else ""
             for name in ("space", "pictures", "denoiser")
-        } | {"strength": each.strength, "steps": each.steps}
+        } | {"strength": each.strength, "steps": each.steps, "tries": each.tries}
         for each in editors
     }  # fmt: skip
     records = Records(folder, {"garments": garments, "validation": validation}, networks)
@@ -132,7 +135,7 @@ def measured(item: Item) -> dict[str, Any]:
         "prompt": prompt.text,
         "group": prompt.group,
         "done": after is not None and prompt.holds(before, after),
-        "kept": kept(prompt, start, end),
+        "kept": kept(prompt.touches, start, end),
         "valid": seen(end, fault).valid,
         "seconds": round(took, 2),
         "before": asdict(before),
@@ -146,9 +149,7 @@ def edited(editing: Editing, start: Pattern, text: str) -> tuple[Pattern | None,
         return _captioned(editing.data, text), ""
     codec = codec_of(editing)
     z = codec.latents([start])[0]
-    if editing.kind != "nothing":
-        z = codec.settled(_moved(editing, z, start, text), SETTLE)
-    step: Step = codec.step(z)
+    step = codec.step(z) if editing.kind == "nothing" else _best(editing, codec, z, start, text)
     return step.pattern, step.faults[0] if step.faults else ""
 
 
@@ -170,18 +171,25 @@ def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return told
 
 
-def _moved(editing: Editing, z: np.ndarray, start: Pattern, text: str) -> np.ndarray:
+def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> Step:
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
-    found = moved(
-        torch.from_numpy(np.asarray(z, np.float32)),
-        _pictures(editing.pictures),
-        guidance,
-        *contrast(start, text),
-        strength=editing.strength,
-        steps=editing.steps,
-    )
-    return found.numpy()
+    told, said = contrast(start, text)
+
+    def attempt(further: float) -> Step:
+        found = moved(
+            torch.from_numpy(np.asarray(z, np.float32)),
+            _pictures(editing.pictures),
+            guidance,
+            told,
+            said,
+            strength=editing.strength,
+            steps=editing.steps,
+            further=further,
+        )
+        return codec.step(codec.settled(found.numpy(), SETTLE))
+
+    return best_try(start, text, attempt, editing.tries).step
 
 
 def _check(editing: Editing) -> None:

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.dataset.wording import aspect_of, every_phrase, of_all_kinds
+from garmentimage.dataset.wording import aspect_of, bottoms_of, every_phrase
 from garmentimage.learn.sentences import embedded
 from garmentimage.metrics.traits import Traits, traits
 from garmentimage.pattern.model import Pattern
@@ -58,7 +58,7 @@ def contrast(pattern: Pattern | None, text: str) -> tuple[str, str]:
         return text, ""
     said = said_of(found)
     true = said.get(aspect_of(phrase), "")
-    if phrase in of_all_kinds():
+    if len(bottoms_of(phrase)) > 1:
         return f"{text}, {said['bottom']}", f"{true}, {said['bottom']}"
     return text, true
 

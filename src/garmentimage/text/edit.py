@@ -27,6 +27,7 @@ from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
 from garmentimage.text.contrast import contrast, nearest_phrase
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
+from garmentimage.text.tries import FURTHER, best_try
 
 SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
 """Networks that come with the package."""
@@ -64,6 +65,10 @@ class TextEdit:
     frames: tuple[Frame, ...]
     """From the start to the end."""
     result: Step
+    tries: int
+    """Made to get there."""
+    done: bool | None
+    """Whether geometry tells that the text is true now; None if it cannot tell."""
 
 
 class TextEditor:
@@ -107,9 +112,10 @@ class TextEditor:
         *,
         strength: float = 1.0,
         steps: int = STEPS_USUAL,
+        tries: int = len(FURTHER),
         progress: Callable[[int, int], None] = lambda done, steps: None,
     ) -> TextEdit:
-        """What a text makes of a garment.
+        """What a text makes of a garment; it looks at what it makes and tries again (`best_try`).
 
         Args:
             source: the garment.
@@ -117,36 +123,47 @@ class TextEditor:
             guidance: which way its picture should change, such as `small_guidance()`.
             strength: how far it may go from what it was; 1 is usual.
             steps: of the optimisation.
-            progress: called after every step.
+            tries: how often, at the most.
+            progress: called after every step, with how many of a try are made and of how many.
 
         Raises:
-            LearnError: a text, strength or number of steps that will not do, or an image that the
-                network does not take.
+            LearnError: a text, strength or number of steps or tries that will not do, or an image
+                that the network does not take.
             EncodeError: a pattern that does not fit its grid.
         """
         words = checked_text(text)
-        check_amounts(strength, steps)
+        check_amounts(strength, steps, tries)
         given = self.space.given(source)
+        start = torch.from_numpy(given.z).float()
+        told, said = contrast(given.pattern, words)
         wanted = set(np.linspace(0, steps, min(FRAMES, steps + 1)).round().astype(int).tolist())
-        moments: dict[int, torch.Tensor] = {0: torch.from_numpy(given.z).float()}
+        ways: list[dict[int, torch.Tensor]] = []
 
-        def keep(step: int, z: torch.Tensor) -> None:
-            if step in wanted:
-                moments[step] = z
-            progress(step, steps)
+        def attempt(further: float) -> Step:
+            moments = {0: start}
+            ways.append(moments)
 
-        z = moved(
-            moments[0],
-            self.pictures,
-            guidance,
-            *contrast(given.pattern, words),
-            strength=strength,
-            steps=steps,
-            progress=keep,
-        )
-        frames = tuple(self._frame(number, z) for number, z in sorted(moments.items()))
-        result = self.space.step(self.space.settled(z.numpy(), SETTLE))
-        return TextEdit(given, frames, result)
+            def keep(step: int, z: torch.Tensor) -> None:
+                if step in wanted:
+                    moments[step] = z
+                progress(step, steps)
+
+            z = moved(
+                start,
+                self.pictures,
+                guidance,
+                told,
+                said,
+                strength=strength,
+                steps=steps,
+                further=further,
+                progress=keep,
+            )
+            return self.space.step(self.space.settled(z.numpy(), SETTLE))
+
+        best = best_try(given.pattern, words, attempt, tries)
+        frames = tuple(self._frame(number, z) for number, z in sorted(ways[best.number].items()))
+        return TextEdit(given, frames, best.step, best.count, best.done)
 
     def picture(self, z: Latent) -> UInt8[np.ndarray, "row col 3"]:
         """What the garment of a latent vector looks like, to the network."""
@@ -168,6 +185,7 @@ def moved(
     *,
     strength: float,
     steps: int,
+    further: float = 1.0,
     progress: Callable[[int, Tensor], None] = lambda step, z: None,
 ) -> Float[Tensor, " latent"]:
     """The latent vector that a text makes of another.
@@ -180,10 +198,11 @@ def moved(
         said: what of it is true of the garment as it is, see `contrast`.
         strength: how far it may go.
         steps: of the optimisation.
+        further: how much further than usual the guidance should push.
         progress: called after every step.
     """
     with torch.no_grad():
-        guidance.start(pictures.draw(z[None]), text, said)
+        guidance.start(pictures.draw(z[None]), said, further)
     return descent(
         z,
         pictures.draw,
@@ -213,14 +232,13 @@ def denoiser_guidance(
     Raises:
         LearnError: there is none of that name, and no such folder.
     """
-    from garmentimage.text.small import EVENLY, NOISES, SCHEDULE, SmallDiffusion
+    from garmentimage.text.small import NOISES, SCALE, SCHEDULE, SmallDiffusion
 
     folder = network_folder(DENOISER if name is None else name, denoiser_names(), "denoiser")
     model = SmallDiffusion(folder)
-    usual = {"noises": NOISES, "schedule": SCHEDULE} | (
-        {} if "scale" in told else {"evenly": EVENLY}
+    guidance = ScoreDistillation(
+        model, **{"scale": SCALE, "noises": NOISES, "schedule": SCHEDULE, **told}
     )
-    guidance = ScoreDistillation(model, **{**usual, **told})
     return guidance, nearest_phrase(text)
 
 
@@ -272,14 +290,15 @@ def check_pair(space: Path, pictures: ImageDecoder) -> None:
         )
 
 
-def check_amounts(strength: float, steps: int) -> None:
-    """Refuse a strength or a number of steps that will not do.
+def check_amounts(strength: float, steps: int, tries: int) -> None:
+    """Refuse a strength or a number of steps or tries that will not do.
 
     Raises:
         LearnError: says what may be given.
     """
     _check("strength", strength, STRENGTHS)
     _check("number of steps", steps, STEPS)
+    _check("number of tries", tries, (1, len(FURTHER)))
 
 
 def picture_names() -> tuple[str, ...]:

@@ -25,13 +25,13 @@ MOST_SCALE, MOST_SEED = 1000.0, 2**63 - 1
 class Guidance(Protocol):
     """Pictures and a text to a gradient."""
 
-    def start(self, pictures: Pictures, text: str, said: str) -> None:
+    def start(self, pictures: Pictures, said: str, further: float) -> None:
         """Be told what is given, before the first gradient.
 
         Args:
             pictures: of it.
-            text: what should be shown.
-            said: what is true of it, of that which the text speaks of; empty if not known.
+            said: what is true of it, of that which the text will speak of; empty if not known.
+            further: how much further than usual the text should push; 1 at the first try.
         """
 
     def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
@@ -79,30 +79,12 @@ class Schedule:
         return (middle + spread).clamp(0.02, 0.98)
 
 
-@dataclass(frozen=True)
-class Evenly:
-    """A scale for each text, so that every text pushes what is given about as far.
-
-    In the eyes of a model trousers differ from a skirt by five times what wide ones differ from
-    narrow ones by; with one scale for both, the one goes too far or the other nowhere.
-    """
-
-    push: float
-    """Length of the mean push in the model's own space."""
-    least: float
-    most: float
-    """Scales within which this may be had."""
-    noises: int = 12
-    """That the mean is of."""
-
-
 class ScoreDistillation:
     """Guidance by a diffusion model.
 
     Args:
         diffusion: the model.
         scale: how much more the text counts than its absence (classifier-free guidance).
-        evenly: instead of `scale`, what sets it by the text when `start` is called.
         negative: what the picture should not show; empty for nothing.
         wrapped: what a text is wrapped in: `"a photo of {}"`.
         schedule: times of the noise.
@@ -124,7 +106,6 @@ class ScoreDistillation:
         schedule: Schedule = Schedule(),
         noises: int = 4,
         seed: int = 0,
-        evenly: Evenly | None = None,
     ) -> None:
         if wrapped.count("{}") != 1:
             raise LearnError(f"the wrapping {wrapped!r} needs one {{}} where the text goes")
@@ -137,17 +118,16 @@ class ScoreDistillation:
         self.diffusion, self.scale, self.wrapped = diffusion, scale, wrapped
         self.schedule, self.noises = schedule, noises
         self.generator = torch.Generator().manual_seed(seed)
-        self.evenly = evenly
         self._negative = negative
         self._known: dict[str, Any] = {}
         self._given: tuple[Tensor, str] | None = None
+        self._further = 1.0
 
-    def start(self, pictures: Pictures, text: str, said: str) -> None:
+    def start(self, pictures: Pictures, said: str, further: float = 1.0) -> None:
         """See `Guidance`; without it nothing is taken off."""
+        self._further = further
         with torch.no_grad():
-            self._given = self.diffusion.hidden(pictures), self._wrap(said) if said else ""
-        if self.evenly is not None:
-            self.scale = self._even_scale(self.evenly, self._wrap(text))
+            self._given = self.diffusion.hidden(pictures), said
 
     def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
         """See `Guidance`; noise and times are drawn for each picture on its own."""
@@ -156,9 +136,10 @@ class ScoreDistillation:
         many = hidden.detach().repeat_interleave(self.noises, 0)
         times = self.schedule.drawn(done, len(many), self.generator).to(hidden.device)
         noise = torch.randn(many.shape, generator=self.generator).to(hidden)
-        push = self.push(many, self._wrap(text), times, noise)
+        push = self.push(many, self.wrapped.replace("{}", text), times, noise)
         if self._given is not None:
-            given, true = self._given
+            given, said = self._given
+            true = self.wrapped.replace("{}", said) if said else ""
             push = push - self.push(given.repeat_interleave(self.noises, 0), true, times, noise)
         push = push.unflatten(0, (-1, self.noises)).mean(1)
         (gradient,) = torch.autograd.grad(hidden, shown, push)
@@ -171,27 +152,7 @@ class ScoreDistillation:
         noisy = alpha * hidden + sigma * noise
         said = self.diffusion.noise(noisy, times, self._told(text))
         unsaid = self.diffusion.noise(noisy, times, self._told(self._negative))
-        return sigma**2 * (unsaid - noise + self.scale * (said - unsaid))
-
-    @torch.no_grad()
-    def _even_scale(self, wanted: Evenly, text: str) -> float:
-        """The scale at which the difference of a text and what is true is as large as wanted."""
-        assert self._given is not None
-        given, true = self._given
-        many = given[:1].repeat_interleave(wanted.noises, 0)
-        first, last = self.schedule.first, self.schedule.last
-        times = torch.linspace(last, first, wanted.noises).to(many)
-        noise = torch.randn(many.shape, generator=self.generator).to(many)
-        alpha, sigma = (share.to(many) for share in self.diffusion.shares(times))
-        noisy = alpha * many + sigma * noise
-        said, unsaid = (
-            self.diffusion.noise(noisy, times, self._told(words)) for words in (text, true)
-        )
-        size = float((sigma**2 * (said - unsaid)).mean(0).norm())
-        return min(max(wanted.push / max(size, 1e-6), wanted.least), wanted.most)
-
-    def _wrap(self, text: str) -> str:
-        return self.wrapped.replace("{}", text)
+        return sigma**2 * (unsaid - noise + self.scale * self._further * (said - unsaid))
 
     def _told(self, text: str) -> Any:
         if text not in self._known:

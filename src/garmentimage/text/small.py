@@ -11,10 +11,10 @@ from garmentimage.files import shown_path
 from garmentimage.learn.denoiser import Denoiser, shares
 from garmentimage.learn.sentences import SIZE, embedded
 from garmentimage.learn.weights import load_weights
-from garmentimage.text.guidance import Evenly, Pictures, Schedule
+from garmentimage.text.guidance import Pictures, Schedule
 
-EVENLY = Evenly(2.5, least=6.0, most=20.0)
-"""How much a text counts."""
+SCALE = 6.0
+"""How much more a text counts than its absence."""
 NOISES = 2
 """Put on each picture in a step."""
 SCHEDULE = Schedule(0.9, 0.5)
