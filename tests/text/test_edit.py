@@ -40,7 +40,8 @@ def test_an_edit_writes_a_garment_and_the_way_to_it(trained, dress, tmp_path, ca
     denoiser = trained / "denoiser" / "model"
     words = ["long sleeves", "-o", tmp_path / "out", "--steps", 6, "--model", denoiser]
     assert edit(trained, dress, *words) == 0
-    assert "the way there" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "the way there" in told and "by the shape of its panels" in told
     strip = np.asarray(Image.open(tmp_path / "out" / "strip.png"))
     assert strip.shape[1] > 8 * 200 and (tmp_path / "out" / "before.glb").exists()
     assert (tmp_path / "out" / "edited.npz").exists()
