@@ -354,7 +354,7 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
     from garmentimage.evaluate.text import Editing
     from garmentimage.explore.space import LatentSpace, network_folder
     from garmentimage.text import edit
-    from garmentimage.text.tries import FURTHER
+    from garmentimage.text.tries import MOST_TRIES
 
     pictures = network_folder(
         options.pictures or edit.PICTURES, edit.picture_names(), "picture network"
@@ -363,7 +363,7 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
     space = LatentSpace.load(options.space or edit.SPACE).folder
     steps = edit.STEPS_USUAL if options.steps is None else options.steps
     strength = 1.0 if options.strength is None else options.strength
-    tries = len(FURTHER) if options.tries is None else options.tries
+    tries = MOST_TRIES if options.tries is None else options.tries
     edit.check_amounts(strength, steps, tries)
     common: dict[str, Any] = {
         "data": str(options.data), "denoiser": str(denoiser), "strength": strength, "steps": steps,

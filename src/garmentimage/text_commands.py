@@ -81,11 +81,11 @@ def run_edit(options: argparse.Namespace) -> Exit:
         check_amounts,
         checked_text,
     )
-    from garmentimage.text.tries import FURTHER
+    from garmentimage.text.tries import MOST_TRIES
 
     text = checked_text(options.text)
     steps = STEPS_USUAL if options.steps is None else options.steps
-    tries = len(FURTHER) if options.tries is None else options.tries
+    tries = MOST_TRIES if options.tries is None else options.tries
     check_amounts(options.strength, steps, tries)
     _check_results(options.out, options.garment)
     editor = TextEditor.load(

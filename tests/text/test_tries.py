@@ -7,7 +7,7 @@ import pytest
 from garmentimage.draft.kinds import draft
 from garmentimage.metrics.traits import traits
 from garmentimage.text.asked import Asked, asked
-from garmentimage.text.tries import FURTHER, best_try
+from garmentimage.text.tries import FURTHER, MOST_TRIES, best_try
 
 DRESS = draft("one-panel-dress", body_length=55)
 LONGER = draft("one-panel-dress", body_length=75)
@@ -67,7 +67,7 @@ def attempts(monkeypatch):
     monkeypatch.setattr("garmentimage.text.tries.asked", lambda text: Asked("long sleeves"))
     seen = []
 
-    def trying(*results, tries=len(FURTHER)):
+    def trying(*results, tries=MOST_TRIES):
         left = iter(results)
 
         def attempt(further):
@@ -107,5 +107,5 @@ def test_what_was_never_done_is_said_to_be_so_and_stays_most_as_it_was(attempts)
 
 def test_what_geometry_cannot_tell_is_tried_once(monkeypatch):
     monkeypatch.setattr("garmentimage.text.tries.asked", lambda text: None)
-    best = best_try(DRESS, "V-neck", lambda further: made(GOOD), len(FURTHER))
+    best = best_try(DRESS, "V-neck", lambda further: made(GOOD), MOST_TRIES)
     assert (best.count, best.done) == (1, None)

@@ -31,7 +31,7 @@ from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.text.contrast import contrast
 from garmentimage.text.edit import SETTLE, STEPS_USUAL, check_pair, denoiser_guidance, moved
-from garmentimage.text.tries import FURTHER, best_try
+from garmentimage.text.tries import MOST_TRIES, best_try
 
 SEED = 50
 TIME_LIMIT_S = 600.0
@@ -52,7 +52,7 @@ class Editing:
     denoiser: str = ""
     strength: float = 1.0
     steps: int = STEPS_USUAL
-    tries: int = len(FURTHER)
+    tries: int = MOST_TRIES
 
 
 @dataclass(frozen=True)

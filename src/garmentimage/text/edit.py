@@ -27,7 +27,7 @@ from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
 from garmentimage.text.contrast import contrast, nearest_phrase
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
-from garmentimage.text.tries import FURTHER, best_try
+from garmentimage.text.tries import MOST_TRIES, best_try
 
 SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
 """Networks that come with the package."""
@@ -112,7 +112,7 @@ class TextEditor:
         *,
         strength: float = 1.0,
         steps: int = STEPS_USUAL,
-        tries: int = len(FURTHER),
+        tries: int = MOST_TRIES,
         progress: Callable[[int, int], None] = lambda done, steps: None,
     ) -> TextEdit:
         """What a text makes of a garment; it looks at what it makes and tries again (`best_try`).
@@ -298,7 +298,7 @@ def check_amounts(strength: float, steps: int, tries: int) -> None:
     """
     _check("strength", strength, STRENGTHS)
     _check("number of steps", steps, STEPS)
-    _check("number of tries", tries, (1, len(FURTHER)))
+    _check("number of tries", tries, (1, MOST_TRIES))
 
 
 def picture_names() -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from garmentimage.text.asked import asked
 
 FURTHER = (1.0, 2.0, 1.0, 3.0)
 """How much further than usual the text pushes, by try; noise is new each time."""
+MOST_TRIES = len(FURTHER)
 ENOUGH = 0.85
 """The garment is made anew where less of the rest is kept, as panel IoU."""
 
