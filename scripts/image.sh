@@ -49,8 +49,8 @@ for kind in one-panel-dress one-panel-jumpsuit top-skirt top-pants shirt skirt p
     train "cascade-$kind" cascade 6 --without "$kind"
 done
 for kind in top-skirt tee hoodie; do
-    train "panel-transformer-$kind" panel-transformer 7 --rate 0.0005 --batch 32 --without "$kind"
-    train "panel-recurrent-$kind" panel-recurrent 15 --rate 0.004 --without "$kind"
+    train "panel-transformer-$kind" panel-transformer 2 --rate 0.0005 --batch 32 --without "$kind"
+    train "panel-recurrent-$kind" panel-recurrent 3 --rate 0.004 --without "$kind"
 done
 "$run" evaluate image --recipe "$recipe" --seen 100 --unseen 49 --parts 49 --draped 10 \
     -o "runs/image-$recipe"

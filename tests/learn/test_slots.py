@@ -11,9 +11,11 @@ from garmentimage.errors import DecodeError
 from garmentimage.evaluate.garment import panel_overlap, same_graph
 from garmentimage.learn.slot_networks import SLOT_NETWORKS
 from garmentimage.learn.slot_vectors import (
+    ASKED,
     PicturedSlots,
     SlotConfig,
     SlotOutputs,
+    asked,
     pattern_from,
     slot_losses,
     slot_vectors,
@@ -62,6 +64,36 @@ def test_slots_without_a_panel_are_no_garment():
     nothing = replace(said(truth), edges=torch.zeros_like(truth.edges))
     with pytest.raises(DecodeError, match="the slots hold no panel"):
         pattern_from(nothing, 0, WORDS)
+
+
+def test_slots_asked_for_weigh_like_all_of_them_in_the_mean():
+    torch.manual_seed(0)
+    panels = torch.zeros(64, 40, dtype=torch.bool)
+    panels[:, ::8] = True
+    draws = torch.stack([asked(panels) for _ in range(100)])
+    assert (draws[:, panels] == 1).all()
+    assert abs((draws > 0).float().sum(2).mean() - ASKED) < 0.1
+    assert abs((draws**2).mean() - 1) < 0.02
+
+
+def test_all_slots_are_asked_for_where_there_are_few():
+    panels = torch.zeros(4, ASKED, dtype=torch.bool)
+    panels[:, 0] = True
+    assert (asked(panels) == 1).all()
+
+
+@pytest.mark.parametrize("name", ["panel-transformer", "panel-recurrent"])
+def test_edges_of_slots_that_are_asked_for_are_those_of_the_whole_pattern(name):
+    torch.manual_seed(0)
+    kind = SLOT_NETWORKS[name]
+    network = kind.network(SlotConfig(name, WORDS.names, WORDS.edges, 32, 1)).eval()
+    for weights in network.to_edge.parameters():
+        torch.nn.init.normal_(weights)
+    seen = torch.rand(2, 3, 128, 128)
+    which = torch.rand(2, len(WORDS.names)) < 0.5
+    some, whole = network.predict(seen, which), network.predict(seen)
+    assert torch.allclose(some.edges[which], whole.edges[which], atol=1e-5)
+    assert (some.edges[~which] == 0).all() and (whole.edges[~which] != 0).any()
 
 
 @pytest.mark.slow

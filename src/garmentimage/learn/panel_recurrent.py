@@ -5,8 +5,9 @@ and another unrolls each of these into the edges of its panel. As where the Garm
 compares with it, pictures are encoded, not point clouds. Tags of stitches come with the edges.
 """
 
+import torch
 from huggingface_hub import PyTorchModelHubMixin
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
 from garmentimage.learn.seer import Whole, seer
@@ -17,6 +18,8 @@ from garmentimage.learn.slot_vectors import (
     SlotConfig,
     SlotOutputs,
     Usual,
+    asked,
+    in_slots,
     quiet,
     slot_losses,
 )
@@ -39,15 +42,21 @@ class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
-        return slot_losses(self.predict(batch.seen()), batch.patterns)
+        weights = asked(batch.patterns.there[..., 0])
+        found = self.predict(batch.seen(), weights > 0)
+        return slot_losses(found.weighted(weights), batch.patterns)
 
-    def predict(self, seen: Float[Tensor, "n 3 pixel_row pixel_col"]) -> SlotOutputs:
-        """Patterns of pictures."""
+    def predict(
+        self,
+        seen: Float[Tensor, "n 3 pixel_row pixel_col"],
+        which: Bool[Tensor, "n slot"] | None = None,
+    ) -> SlotOutputs:
+        """Patterns of pictures; edges of slots that are not asked for are as usual."""
         config = self.config
+        if which is None:
+            which = torch.ones(len(seen), len(config.names), dtype=torch.bool, device=seen.device)
         whole = self.whole(self.see(seen))
         panels, _ = self.panels(whole[:, None].expand(-1, len(config.names), -1))
-        each = panels.flatten(0, 1)[:, None].expand(-1, config.edges, -1)
-        edges, _ = self.edges(each)
-        numbers = self.to_edge(edges).unflatten(0, panels.shape[:2])
-        found: SlotOutputs = self.usual(self.to_place(panels), numbers)
+        edges, _ = self.edges(panels[which][:, None].expand(-1, config.edges, -1))
+        found: SlotOutputs = self.usual(self.to_place(panels), in_slots(self.to_edge(edges), which))
         return found

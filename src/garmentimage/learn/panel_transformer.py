@@ -9,7 +9,7 @@ from typing import Any
 
 import torch
 from huggingface_hub import PyTorchModelHubMixin
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
 from garmentimage.learn.seer import seer
@@ -20,6 +20,8 @@ from garmentimage.learn.slot_vectors import (
     SlotConfig,
     SlotOutputs,
     Usual,
+    asked,
+    in_slots,
     quiet,
     slot_losses,
 )
@@ -62,18 +64,27 @@ class PanelTransformer(nn.Module, PyTorchModelHubMixin, library_name="garmentima
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
-        return slot_losses(self.predict(batch.seen()), batch.patterns)
+        weights = asked(batch.patterns.there[..., 0])
+        found = self.predict(batch.seen(), weights > 0)
+        return slot_losses(found.weighted(weights), batch.patterns)
 
-    def predict(self, seen: Float[Tensor, "n 3 pixel_row pixel_col"]) -> SlotOutputs:
-        """Patterns of pictures."""
+    def predict(
+        self,
+        seen: Float[Tensor, "n 3 pixel_row pixel_col"],
+        which: Bool[Tensor, "n slot"] | None = None,
+    ) -> SlotOutputs:
+        """Patterns of pictures; edges of slots that are not asked for are as usual."""
         slots = len(self.config.names)
+        if which is None:
+            which = torch.ones(len(seen), slots, dtype=torch.bool, device=seen.device)
         features = self.narrow(self.see(seen)).flatten(2).transpose(1, 2)
         memory = self.encoder(features + self.places)
         panels = self.panels(self.panel_queries.expand(len(seen), -1, -1), memory)
         # Every edge asks the panel that it is of, and the whole picture.
-        asked = (panels[:, :, None] + self.edge_queries).flatten(0, 1)
+        queries = (panels[:, :, None] + self.edge_queries)[which]
         whole = memory.mean(1)[:, None].expand(-1, slots, -1)
-        own = torch.stack([panels, whole], 2).flatten(0, 1)
-        edges = self.to_edge(self.edges(asked, own)).unflatten(0, (len(seen), slots))
-        found: SlotOutputs = self.usual(self.to_place(panels), edges)
+        own = torch.stack([panels, whole], 2)[which]
+        found: SlotOutputs = self.usual(
+            self.to_place(panels), in_slots(self.to_edge(self.edges(queries, own)), which)
+        )
         return found

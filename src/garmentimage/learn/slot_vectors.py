@@ -51,6 +51,8 @@ NUMBERS_AN_EDGE = ROW + TAGS + 1
 """Its row, its tag, and whether it is free."""
 NUMBERS_A_PLACE = 4 + 3
 """Rotation and translation of a panel."""
+ASKED = 10
+"""Slots whose edges are asked for in training, for a garment on the average."""
 
 
 @dataclass(frozen=True)
@@ -193,6 +195,10 @@ class SlotOutputs:
     tags: Float[Tensor, "n slot edge 3"]
     free: Float[Tensor, "n slot edge"]
 
+    def weighted(self, weights: Float[Tensor, "n slot"]) -> "SlotOutputs":
+        """The same with the edges of each slot multiplied by a weight."""
+        return replace(self, edges=self.edges * weights[..., None, None])
+
 
 class Usual(nn.Module):
     """What a network says before it has learnt anything: the mean of the garments to learn from.
@@ -228,6 +234,34 @@ def quiet(layer: nn.Linear) -> nn.Linear:
     nn.init.zeros_(layer.weight)
     nn.init.zeros_(layer.bias)
     return layer
+
+
+def asked(panels: Bool[Tensor, "n slot"]) -> Float[Tensor, "n slot"]:
+    """Which slots to ask for edges in training, as weights for what is found there.
+
+    Of many slots most have no panel, and nothing but zeros to learn. So some of these, drawn anew
+    each time, are asked for all. Their edges should be 0; with their weight their squares are, in
+    the mean, those of all.
+
+    Args:
+        panels: the slots that have a panel.
+
+    Returns:
+        1 for these, 0 for those not asked.
+    """
+    others = (~panels).sum()
+    share = ((ASKED * len(panels) - panels.sum()) / others.clamp(min=1)).clamp(1 / ASKED, 1)
+    drawn = torch.rand(panels.shape, device=panels.device) < share
+    return torch.where(panels, 1.0, drawn * share.rsqrt())
+
+
+def in_slots(
+    values: Float[Tensor, "asked edge k"], which: Bool[Tensor, "n slot"]
+) -> Float[Tensor, "n slot edge k"]:
+    """Values of the slots that were asked for, in their places among zeros."""
+    return values.new_zeros(*which.shape, *values.shape[1:]).masked_scatter(
+        which[..., None, None], values
+    )
 
 
 def slot_losses(found: SlotOutputs, truth: SlotVectors) -> dict[str, Tensor]:
