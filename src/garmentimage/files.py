@@ -55,7 +55,7 @@ def check_output(
         raise OutputError(f"{shown_path(out)}: is a folder; name a file in it")
     if is_other:
         raise OutputError(
-            f"{shown_path(out)}: is an input or another output, too; choose another name"
+            f"{shown_path(out)}: is an input or another output, too; choose another name or folder"
         )
 
 

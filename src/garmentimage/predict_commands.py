@@ -21,12 +21,20 @@ SUFFIXES = (".json", ".npz", ".glb", ".png")
 def predict_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `predict`."""
     parser.add_argument(
-        "images", nargs="+", type=Path, metavar="IMAGE", help="someone from the front, PNG or JPEG"
+        "images",
+        nargs="+",
+        type=Path,
+        metavar="IMAGE",
+        help="someone from the front; PNG, JPEG, WebP, TIFF, BMP or GIF",
     )
     parser.add_argument(
         "-o", "--out", type=Path, required=True, metavar="FOLDER", help="where results go"
     )
-    parser.add_argument("--network", metavar="NAME", help="a network or its folder (image-wide)")
+    parser.add_argument(
+        "--network",
+        metavar="NAME",
+        help="a network that comes with the package, or a folder (image-wide)",
+    )
 
 
 def run_predict(options: argparse.Namespace) -> Exit:
@@ -52,7 +60,7 @@ def run_predict(options: argparse.Namespace) -> Exit:
                 continue
             worn = shown(path.name, prediction.step)
             _put(options.out, name, prediction, worn)
-            told.append(_facts(name, prediction, worn))
+            told.append({"image": str(path)} | _facts(name, prediction, worn))
             if not options.json:
                 bar.write(_sentence(options.out, told[-1]), file=sys.stdout)
     if options.json:

@@ -42,6 +42,9 @@ def test_other_depths_and_colours_are_converted_and_told(tmp_path):
     photo = read_photo(saved(tmp_path, Image.fromarray(levels), "deep.png"))
     assert photo.pixels.min() == 0 and photo.pixels.max() == 255
     assert "more than 8 bits" in photo.notes[0]
+    grey = Image.fromarray(figure()[..., 0].astype(np.uint16) * 257)
+    photo = read_photo(saved(tmp_path, grey, "deep-grey.png"))
+    assert np.array_equal(photo.pixels[..., 0], figure()[..., 0])
     ink = Image.new("CMYK", (64, 64), (0, 255, 255, 0))
     photo = read_photo(saved(tmp_path, ink, "ink.jpg"))
     red, green, blue = photo.pixels[32, 32].tolist()

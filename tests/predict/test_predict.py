@@ -51,6 +51,22 @@ def picture(album, number) -> np.ndarray:
     return np.ascontiguousarray(upward.transpose(1, 2, 0)[::-1])
 
 
+def test_a_picture_of_nothing_has_no_confidence(made):
+    folder, _ = made
+    found = PatternPredictor.load(folder).predict(np.full((128, 128, 3), 255, np.uint8))
+    assert found.confidence == 0 and not found.is_sure
+    assert found.photo.notes == ("shows nothing before its background",)
+
+
+def test_a_picture_of_few_pixels_is_told_to_be(made):
+    folder, album = made
+    network = PatternPredictor.load(folder)
+    small = Image.fromarray(picture(album, 0)).resize((40, 40))
+    (note,) = network.predict(small).photo.notes
+    assert "pixels high" in note
+    assert not network.predict(picture(album, 0)).photo.notes
+
+
 def test_a_picture_that_it_knows_becomes_its_garment(made, tmp_path):
     folder, album = made
     network = PatternPredictor.load(folder)

@@ -24,7 +24,7 @@ from garmentimage.explore.space import (
     shipped_names,
     step_of,
 )
-from garmentimage.predict.photo import Box, Photo, as_photo, framed
+from garmentimage.predict.photo import EMPTY, Box, Photo, as_photo, framed
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
 from garmentimage.raster.repair import RepairLevel
 
@@ -53,7 +53,7 @@ class Prediction:
     """The garment, repaired, decoded and checked; it has no latent vector."""
     confidence: float
     """From 0 to 1: how sure the network is of flags and edge types; less where the picture is
-    unlike those that it was trained on."""
+    unlike those that it was trained on, 0 where it shows nothing."""
 
     @property
     def doubts(self) -> Float[np.ndarray, "layer row col"]:
@@ -62,7 +62,10 @@ class Prediction:
 
     @property
     def is_sure(self) -> bool:
-        """Whether the confidence is not low; what cannot be sewn is told by `step.faults`."""
+        """Whether the confidence is not low.
+
+        What cannot be sewn is told by `step.faults`, what cannot be worn by draping the pattern.
+        """
         return self.confidence >= SURE
 
 
@@ -117,7 +120,9 @@ class PatternPredictor:
         seen = framed(as_photo(picture), self.box, self.size)
         channels = self.channels(seen.pixels[None])[0]
         step = step_of(np.zeros(0, np.float32), channels, repair_level)
-        return Prediction(seen, channels, step, certainty(channels) * self.likeness(seen.pixels))
+        is_empty = EMPTY in seen.notes
+        sure = 0.0 if is_empty else certainty(channels) * self.likeness(seen.pixels)
+        return Prediction(seen, channels, step, sure)
 
     def channels(
         self, pixels: UInt8[np.ndarray, "n row col 3"]

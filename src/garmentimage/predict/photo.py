@@ -39,7 +39,10 @@ FURTHER = 0.3
 """A further figure of this share of the largest one's pixels is no speck either."""
 PLACE_TOLERANCE = 0.02
 """A wearer that is in place within this share of the picture's side stays as it is."""
-WHITE = 255
+WHITE, DEEP_WHITE = 255, 65535
+"""With 8 and with 16 bits."""
+COARSE = 0.75
+"""A note tells of less than this share of the pixels that the network looks at."""
 RESTLESS = "has no plain background, so its wearer could not be found; expect little"
 EMPTY = "shows nothing before its background"
 CROWDED = "shows more than one figure; the largest was taken"
@@ -168,9 +171,11 @@ def _plain(image: Any) -> Photo:
     notes = []
     image = ImageOps.exif_transpose(image)
     if image.mode in ("I", "F") or image.mode.startswith("I;16"):
-        notes.append("has more than 8 bits a colour; its range was brought to 8")
+        notes.append("has more than 8 bits a colour; they were brought to 8")
         levels = np.nan_to_num(np.asarray(image, float))
         low, high = float(levels.min()), max(float(levels.max()), float(levels.min()) + 1)
+        if image.mode != "F" and low >= 0 and high <= DEEP_WHITE:
+            low, high = 0.0, float(DEEP_WHITE)
         image = Image.fromarray(((levels - low) / (high - low) * WHITE).astype(np.uint8))
     if image.mode == "CMYK":
         notes.append("is CMYK; its colours were converted roughly")
@@ -201,13 +206,15 @@ def framed(photo: Photo, box: Box, size: int) -> Photo:
         return Photo(_resized(_squared(photo.pixels), size), notes)
     at = np.argwhere(wearer)
     (top, left), (bottom, right) = at.min(0), at.max(0) + 1
+    # The square around the wearer that looks as the networks' pictures do.
+    side = (bottom - top) / (box.bottom - box.top)
+    if side < COARSE * size:
+        notes += (f"shows its wearer only {bottom - top} pixels high; give more for less doubt",)
     cleared = np.where(wearer[..., None], photo.pixels, WHITE).astype(np.uint8)
     here = np.array([top / rows, bottom / rows, left / cols, right / cols])
     there = np.array([box.top, box.bottom, box.left, box.right])
     if rows == cols and np.abs(here - there).max() < PLACE_TOLERANCE:
         return Photo(_resized(cleared, size), notes)
-    # The square around the wearer that looks as the networks' pictures do.
-    side = (bottom - top) / (box.bottom - box.top)
     first_row = top - box.top * side
     first_col = (left + right) / 2 - (box.left + box.right) / 2 * side
     return Photo(_cut(cleared, first_row, first_col, side, size), notes)
