@@ -51,6 +51,7 @@ done
 for kind in top-skirt tee hoodie; do
     train "panel-transformer-$kind" panel-transformer 2 --rate 0.0005 --batch 32 --without "$kind"
     train "panel-recurrent-$kind" panel-recurrent 3 --rate 0.004 --without "$kind"
+    train "panel-pool-$kind" panel-pool 6 --without "$kind"
 done
 "$run" evaluate image --recipe "$recipe" --seen 100 --unseen 49 --parts 25 --draped 10 \
     -o "runs/image-$recipe"
