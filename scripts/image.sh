@@ -42,7 +42,7 @@ for recipe in d2 d1; do
     epochs=32
 done
 
-recipe=leave-one-out # 20 minutes of one core for each network
+recipe=leave-one-out # 20 minutes of one core for each network, panel-pool 30
 "$run" build "$recipe" --count 1000 -o "data/$recipe"
 for kind in one-panel-dress one-panel-jumpsuit top-skirt top-pants shirt skirt pants tee tank jacket \
     hoodie; do
