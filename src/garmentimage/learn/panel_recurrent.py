@@ -18,10 +18,9 @@ from garmentimage.learn.slot_vectors import (
     SlotConfig,
     SlotOutputs,
     Usual,
-    asked,
+    asked_losses,
     in_slots,
     quiet,
-    slot_losses,
 )
 
 
@@ -42,9 +41,7 @@ class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
-        weights = asked(batch.patterns.there[..., 0])
-        found = self.predict(batch.seen(), weights > 0)
-        return slot_losses(found.weighted(weights), batch.patterns)
+        return asked_losses(self.predict, batch)
 
     def predict(
         self,

@@ -20,10 +20,9 @@ from garmentimage.learn.slot_vectors import (
     SlotConfig,
     SlotOutputs,
     Usual,
-    asked,
+    asked_losses,
     in_slots,
     quiet,
-    slot_losses,
 )
 
 HEADS = 4
@@ -64,9 +63,7 @@ class PanelTransformer(nn.Module, PyTorchModelHubMixin, library_name="garmentima
 
     def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
         """The whole loss, and what it is made of."""
-        weights = asked(batch.patterns.there[..., 0])
-        found = self.predict(batch.seen(), weights > 0)
-        return slot_losses(found.weighted(weights), batch.patterns)
+        return asked_losses(self.predict, batch)
 
     def predict(
         self,

@@ -7,7 +7,7 @@ are from a third and two thirds of the way, along it and to its left, per length
 Those codes have one control point; sleeve caps drafted here would lose up to 6 % of IoU by that.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -281,6 +281,15 @@ def slot_losses(found: SlotOutputs, truth: SlotVectors) -> dict[str, Tensor]:
     weights = {"shapes": 10.0, "loops": 0.1, "free": 0.5}
     whole = torch.stack([weights.get(name, 1.0) * part for name, part in parts.items()]).sum()
     return {**parts, "loss": whole}
+
+
+def asked_losses(
+    predict: Callable[[Tensor, Tensor], SlotOutputs], batch: PicturedSlots
+) -> dict[str, Tensor]:
+    """Losses of what a network says of pictures and the slots it is asked for, see `asked`."""
+    weights = asked(batch.patterns.there[..., 0])
+    found = predict(batch.seen(), weights > 0)
+    return slot_losses(found.weighted(weights), batch.patterns)
 
 
 def pattern_from(found: SlotOutputs, number: int, words: SlotWords) -> Pattern:
