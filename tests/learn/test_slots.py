@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from scipy.spatial.distance import cdist
 
 from garmentimage.draft.kinds import draft
 from garmentimage.errors import DecodeError
@@ -57,6 +58,17 @@ def test_slots_keep_the_outline_of_a_panel_with_a_hole():
     one, other = slot_vectors([whole], words), slot_vectors([holed], words)
     for name, value in vars(one).items():
         assert torch.equal(value, getattr(other, name)), name
+
+
+def test_a_panel_that_stands_across_is_told_without_a_warning(recwarn):
+    first, *others = GARMENTS[0].panels
+    across = replace(GARMENTS[0], panels=(replace(first, rotation=(30.0, 90.0, 0.0)), *others))
+    again = pattern_from(said(slot_vectors([across], WORDS)), 0, WORDS).by_name[first.name]
+    one, two = (
+        each.to_world(np.array(each.outline.vertices)) for each in (across.panels[0], again)
+    )
+    assert cdist(one, two).min(axis=1).max() < 0.01
+    assert not recwarn.list
 
 
 def test_slots_without_a_panel_are_no_garment():

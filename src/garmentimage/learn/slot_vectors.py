@@ -7,6 +7,7 @@ are from a third and two thirds of the way, along it and to its left, per length
 Those codes have one control point; sleeve caps drafted here would lose up to 6 % of IoU by that.
 """
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -348,8 +349,11 @@ def _panel(
         straight = np.abs(bends).max() < STRAIGHTEST
         curve = None if straight else Cubic((along, left), (along2, left2))
         edges.append(Edge(n, (n + 1) % len(rows), curve))
-    known = float(np.linalg.norm(turn)) > 1e-6
-    angles = Rotation.from_quat(turn).as_euler("xyz", degrees=True) if known else np.zeros(3)
+    angles = np.zeros(3)
+    if float(np.linalg.norm(turn)) > 1e-6:
+        with warnings.catch_warnings():  # turned by 90 degrees, two of the angles are one
+            warnings.simplefilter("ignore", UserWarning)
+            angles = Rotation.from_quat(turn).as_euler("xyz", degrees=True)
     outline = Loop(tuple((float(x), float(y)) for x, y in vertices), tuple(edges))
     panel = Panel(name, outline, rotation=_vector(angles))
     return replace(panel, translation=_vector(place - universal_translation(panel)))
