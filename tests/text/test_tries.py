@@ -105,7 +105,9 @@ def test_what_was_never_done_is_said_to_be_so_and_stays_most_as_it_was(attempts)
     assert (best.number, best.count, best.done) == (1, 2, False)
 
 
-def test_what_geometry_cannot_tell_is_tried_once(monkeypatch):
+def test_what_geometry_cannot_tell_is_tried_once_and_pushed_as_usual(monkeypatch):
     monkeypatch.setattr("garmentimage.text.tries.asked", lambda text: None)
-    best = best_try(DRESS, "V-neck", lambda further: made(GOOD), MOST_TRIES)
+    seen = []
+    best = best_try(DRESS, "V-neck", lambda further: seen.append(further) or made(GOOD), MOST_TRIES)
     assert (best.count, best.done) == (1, None)
+    assert seen == [1.0]

@@ -29,6 +29,7 @@ from garmentimage.metrics.kept import kept
 from garmentimage.metrics.traits import traits
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
+from garmentimage.text.asked import asked
 from garmentimage.text.contrast import contrast
 from garmentimage.text.edit import SETTLE, STEPS_USUAL, check_pair, denoiser_guidance, moved
 from garmentimage.text.tries import MOST_TRIES, best_try
@@ -175,6 +176,7 @@ def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: s
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
     told, said = contrast(start, text)
+    meant = asked(text)
 
     def attempt(further: float) -> Step:
         found = moved(
@@ -186,6 +188,7 @@ def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: s
             strength=editing.strength,
             steps=editing.steps,
             further=further,
+            touched=meant.touched if meant else None,
         )
         return codec.step(codec.settled(found.numpy(), SETTLE))
 

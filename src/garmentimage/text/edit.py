@@ -22,11 +22,14 @@ from garmentimage.explore.space import (
 from garmentimage.files import shown_path
 from garmentimage.learn.image_decoder import ImageDecoder
 from garmentimage.learn.weights import load_weights
+from garmentimage.metrics.kept import Touched
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
+from garmentimage.text.asked import asked
 from garmentimage.text.contrast import contrast, nearest_phrase
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
+from garmentimage.text.stay import staying
 from garmentimage.text.tries import MOST_TRIES, best_try
 
 SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
@@ -37,6 +40,8 @@ STRENGTHS, STEPS = (0.05, 20.0), (1, 5000)
 """Least and most of what may be asked."""
 PULL = 0.02
 """What the squared distance from the start costs at strength 1."""
+HOLD = 1.0
+"""What the squared change of a colour costs where the text should change nothing."""
 RATE = 0.1
 """Learning rate."""
 STEPS_USUAL = 60
@@ -136,6 +141,7 @@ class TextEditor:
         given = self.space.given(source)
         start = torch.from_numpy(given.z).float()
         told, said = contrast(given.pattern, words)
+        meant = asked(words)
         wanted = set(np.linspace(0, steps, min(FRAMES, steps + 1)).round().astype(int).tolist())
         ways: list[dict[int, torch.Tensor]] = []
 
@@ -157,6 +163,7 @@ class TextEditor:
                 strength=strength,
                 steps=steps,
                 further=further,
+                touched=meant.touched if meant else None,
                 progress=keep,
             )
             return self.space.step(self.space.settled(z.numpy(), SETTLE))
@@ -186,6 +193,7 @@ def moved(
     strength: float,
     steps: int,
     further: float = 1.0,
+    touched: Touched | None = None,
     progress: Callable[[int, Tensor], None] = lambda step, z: None,
 ) -> Float[Tensor, " latent"]:
     """The latent vector that a text makes of another.
@@ -199,10 +207,14 @@ def moved(
         strength: how far it may go.
         steps: of the optimisation.
         further: how much further than usual the guidance should push.
+        touched: where the garment may change; None if the text does not tell.
         progress: called after every step.
     """
     with torch.no_grad():
         guidance.start(pictures.draw(z[None]), said, further)
+    held = None
+    if touched is not None:
+        held = HOLD / strength * torch.from_numpy(staying(touched, pictures.config.picture)).float()
     return descent(
         z,
         pictures.draw,
@@ -211,6 +223,7 @@ def moved(
         steps=steps,
         rate=RATE,
         pull=PULL / strength,
+        held=held,
         progress=progress,
     )
 

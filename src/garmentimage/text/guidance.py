@@ -169,6 +169,7 @@ def descent(
     steps: int,
     rate: float,
     pull: float,
+    held: Float[Tensor, "pixel_row pixel_col"] | None = None,
     progress: Callable[[int, Tensor], None] = lambda step, z: None,
 ) -> Float[Tensor, " latent"]:
     """The latent vector that a text makes of another, by gradient descent (Adam).
@@ -181,17 +182,22 @@ def descent(
         steps: how many.
         rate: of Adam.
         pull: how much the squared distance from the start costs.
+        held: how much the squared change of a colour costs, by pixel; None if it costs nothing.
         progress: called after every step.
 
     Raises:
         LearnError: the guidance gives what is no number.
     """
     z = start.clone().requires_grad_()
+    with torch.no_grad():
+        first = draw(start[None])
     optimizer = torch.optim.Adam([z], rate, betas=(0.9, 0.99))
     for step in range(steps):
         picture = draw(z[None])
         push = guidance.gradient(picture.detach(), text, step / max(steps - 1, 1))
         loss = (push * picture).sum() + pull * ((z - start) ** 2).sum()
+        if held is not None:
+            loss = loss + (held * (picture - first) ** 2).sum()
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()

@@ -9,8 +9,9 @@ from garmentimage.metrics.traits import traits
 from garmentimage.pattern.model import Pattern
 from garmentimage.text.asked import asked
 
-FURTHER = (1.0, 2.0, 1.0, 3.0)
-"""How much further than usual the text pushes, by try; noise is new each time."""
+FURTHER = (2.0, 3.0, 1.0, 3.0)
+"""How much further than usual a text pushes whose meaning geometry can judge, by try: what it is
+not about is held, so it may push. Noise is new each time."""
 MOST_TRIES = len(FURTHER)
 ENOUGH = 0.85
 """The garment is made anew where less of the rest is kept, as panel IoU."""
@@ -47,7 +48,7 @@ def best_try(
     before, wanted = traits(given), asked(text)
     found: list[tuple[tuple[bool, bool, float], Step, bool | None]] = []
     for further in FURTHER[:tries]:
-        step = attempt(further)
+        step = attempt(further if wanted else 1.0)
         is_garment, done, stayed = step.pattern is not None and not step.faults, None, 1.0
         if before is not None and wanted is not None:
             after = traits(step.pattern)
