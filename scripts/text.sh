@@ -21,7 +21,7 @@ train vae vae 80 "$@"
 train pictures image-decoder 60 --vae runs/text-vae/model "$@"
 wait $!
 train vector-vae vector-vae 80 "$@"
-train vector-pictures image-decoder 60 --vae runs/text-vector-vae/model "$@"
+train vector-pictures image-decoder 24 --vae runs/text-vector-vae/model "$@"
 "$run" evaluate edit --data $data --space runs/text-vae/model --pictures runs/text-pictures/model \
     --denoiser runs/text-denoiser/model --vectors runs/text-vector-vae/model \
     --vector-pictures runs/text-vector-pictures/model -o runs/edits
