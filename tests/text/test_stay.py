@@ -1,11 +1,14 @@
 """Where the picture of a garment stays while a text changes the rest."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import torch
 
 import garmentimage as gi
 from garmentimage.draft.kinds import draft
+from garmentimage.text.edit import moved
 from garmentimage.text.guidance import descent
 from garmentimage.text.stay import staying
 
@@ -55,3 +58,23 @@ def test_what_is_held_stays_while_the_rest_goes_where_it_is_pushed():
     )
     drawn = (0.5 + 0.5 * ends + 0.1 * ends.sum() / 10).reshape(3, 8, 8)
     assert (drawn[:, 4:] - 0.5).abs().max() < 0.05 < 0.4 < (drawn[:, :4] - 0.5).abs().min()
+
+
+@pytest.mark.parametrize("touched", ["sleeves", "below the waist"])
+def test_an_edit_holds_what_its_text_does_not_touch_and_more_so_with_less_strength(touched):
+    pictures = SimpleNamespace(
+        draw=lambda z: (0.5 + 0.5 * z).reshape(-1, 3, 8, 8), config=SimpleNamespace(picture=8)
+    )
+    staying_now = torch.from_numpy(staying(touched, 8))
+
+    def changes(touched, strength):
+        z = moved(
+            torch.zeros(3 * 8 * 8), pictures, Pushing(), "white", "",
+            strength=strength, steps=100, touched=touched,
+        )  # fmt: skip
+        change = pictures.draw(z)[0] - 0.5
+        return float(change[:, staying_now].mean()), float(change[:, ~staying_now].mean())
+
+    free, held, weakly = changes(None, 1.0), changes(touched, 1.0), changes(touched, 4.0)
+    assert held[0] < 0.8 * weakly[0] < 0.8 * free[0]
+    assert held[1] == pytest.approx(free[1], abs=0.02)
