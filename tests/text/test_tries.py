@@ -70,7 +70,8 @@ def attempts(monkeypatch):
     def trying(*results, tries=MOST_TRIES):
         left = iter(results)
 
-        def attempt(further):
+        def attempt(further, touched):
+            assert touched == "sleeves"
             seen.append(further)
             return next(left)
 
@@ -108,6 +109,12 @@ def test_what_was_never_done_is_said_to_be_so_and_stays_most_as_it_was(attempts)
 def test_what_geometry_cannot_tell_is_tried_once_and_pushed_as_usual(monkeypatch):
     monkeypatch.setattr("garmentimage.text.tries.asked", lambda text: None)
     seen = []
-    best = best_try(DRESS, "V-neck", lambda further: seen.append(further) or made(GOOD), MOST_TRIES)
+
+    def attempt(further, touched):
+        assert touched is None
+        seen.append(further)
+        return made(GOOD)
+
+    best = best_try(DRESS, "V-neck", attempt, MOST_TRIES)
     assert (best.count, best.done) == (1, None)
     assert seen == [1.0]

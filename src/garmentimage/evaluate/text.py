@@ -25,11 +25,10 @@ from garmentimage.learn.image_decoder import ImageDecoder
 from garmentimage.learn.sentences import embedded
 from garmentimage.learn.weights import load_weights
 from garmentimage.metrics.intervals import interval
-from garmentimage.metrics.kept import kept
+from garmentimage.metrics.kept import Touched, kept
 from garmentimage.metrics.traits import traits
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
-from garmentimage.text.asked import asked
 from garmentimage.text.contrast import contrast
 from garmentimage.text.edit import SETTLE, STEPS_USUAL, check_pair, denoiser_guidance, moved
 from garmentimage.text.tries import MOST_TRIES, best_try
@@ -176,9 +175,8 @@ def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: s
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
     told, said = contrast(start, text)
-    meant = asked(text)
 
-    def attempt(further: float) -> Step:
+    def attempt(further: float, touched: Touched | None) -> Step:
         found = moved(
             torch.from_numpy(np.asarray(z, np.float32)),
             _pictures(editing.pictures),
@@ -188,7 +186,7 @@ def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: s
             strength=editing.strength,
             steps=editing.steps,
             further=further,
-            touched=meant.touched if meant else None,
+            touched=touched,
         )
         return codec.step(codec.settled(found.numpy(), SETTLE))
 

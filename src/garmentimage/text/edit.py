@@ -26,7 +26,6 @@ from garmentimage.metrics.kept import Touched
 from garmentimage.pattern.model import Pattern
 from garmentimage.provenance import weights_hash
 from garmentimage.raster.image import GarmentImage
-from garmentimage.text.asked import asked
 from garmentimage.text.contrast import contrast, nearest_phrase
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
 from garmentimage.text.stay import staying
@@ -141,11 +140,10 @@ class TextEditor:
         given = self.space.given(source)
         start = torch.from_numpy(given.z).float()
         told, said = contrast(given.pattern, words)
-        meant = asked(words)
         wanted = set(np.linspace(0, steps, min(FRAMES, steps + 1)).round().astype(int).tolist())
         ways: list[dict[int, torch.Tensor]] = []
 
-        def attempt(further: float) -> Step:
+        def attempt(further: float, touched: Touched | None) -> Step:
             moments = {0: start}
             ways.append(moments)
 
@@ -163,7 +161,7 @@ class TextEditor:
                 strength=strength,
                 steps=steps,
                 further=further,
-                touched=meant.touched if meant else None,
+                touched=touched,
                 progress=keep,
             )
             return self.space.step(self.space.settled(z.numpy(), SETTLE))

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from garmentimage.explore.space import Step
-from garmentimage.metrics.kept import kept
+from garmentimage.metrics.kept import Touched, kept
 from garmentimage.metrics.traits import traits
 from garmentimage.pattern.model import Pattern
 from garmentimage.text.asked import asked
@@ -31,7 +31,10 @@ class Tried:
 
 
 def best_try(
-    given: Pattern | None, text: str, attempt: Callable[[float], Step], tries: int
+    given: Pattern | None,
+    text: str,
+    attempt: Callable[[float, Touched | None], Step],
+    tries: int,
 ) -> Tried:
     """What a text makes of a garment, at the first try that is good or else the best of all.
 
@@ -42,13 +45,14 @@ def best_try(
     Args:
         given: the garment as it was; None if it was none.
         text: what is asked for.
-        attempt: makes an edit anew, given how much further than usual it should go.
+        attempt: makes an edit anew, given how much further than usual it should go and where the
+            garment may change (None if the text does not tell).
         tries: the most, up to as many as `FURTHER` has.
     """
     before, wanted = traits(given), asked(text)
     found: list[tuple[tuple[bool, bool, float], Step, bool | None]] = []
     for further in FURTHER[:tries]:
-        step = attempt(further if wanted else 1.0)
+        step = attempt(further, wanted.touched) if wanted else attempt(1.0, None)
         is_garment, done, stayed = step.pattern is not None and not step.faults, None, 1.0
         if before is not None and wanted is not None:
             after = traits(step.pattern)
