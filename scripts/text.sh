@@ -3,25 +3,35 @@
 # where it was stopped. Words after the first go to `train`: --accelerator gpu.
 #
 #     scripts/text.sh .venv/bin/garmentimage
+#     SHORT=yes scripts/text.sh .venv/bin/garmentimage    # about an hour of two cores, no baseline
 set -eu
 run=$1
 shift
 export OMP_NUM_THREADS=1
 data=data/text-edit
+if [ "${SHORT-}" ]; then
+    runs=runs/text-short measured=runs/edits-short denoiser=24 vae=40 pictures=14
+    vectors= garments=12
+else
+    runs=runs/text measured=runs/edits denoiser=100 vae=80 pictures=60
+    vectors=yes garments=24
+fi
 
 train() { # name, network, epochs, further words
     name=$1 network=$2 epochs=$3
     shift 3
-    "$run" train "$network" --data $data --epochs "$epochs" "$@" -o "runs/text-$name"
+    "$run" train "$network" --data $data --epochs "$epochs" "$@" -o "$runs-$name"
 }
 
 "$run" build text-edit --count 1500 -o $data
-train denoiser denoiser 100 "$@" & # beside the two that need each other
-train vae vae 80 "$@"
-train pictures image-decoder 60 --vae runs/text-vae/model "$@"
+train denoiser denoiser $denoiser "$@" & # beside the two that need each other
+train vae vae $vae "$@"
+train pictures image-decoder $pictures --vae $runs-vae/model "$@"
 wait $!
-train vector-vae vector-vae 80 "$@"
-train vector-pictures image-decoder 24 --vae runs/text-vector-vae/model "$@"
-"$run" evaluate edit --data $data --space runs/text-vae/model --pictures runs/text-pictures/model \
-    --denoiser runs/text-denoiser/model --vectors runs/text-vector-vae/model \
-    --vector-pictures runs/text-vector-pictures/model -o runs/edits
+if [ $vectors ]; then
+    train vector-vae vector-vae 80 "$@"
+    train vector-pictures image-decoder 24 --vae $runs-vector-vae/model "$@"
+    vectors="--vectors $runs-vector-vae/model --vector-pictures $runs-vector-pictures/model"
+fi
+"$run" evaluate edit --data $data --space $runs-vae/model --pictures $runs-pictures/model \
+    --denoiser $runs-denoiser/model $vectors --edited $garments -o $measured
