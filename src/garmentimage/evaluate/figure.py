@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from garmentimage.evaluate.text import Editing
     from garmentimage.learn.pictured import Album
 
-FIGURE_PROMPTS = ((0, "long"), (1, "short sleeves"), (2, "dress"), (0, "pants"))
-"""Numbers of test garments, whose types take turns, and prompts."""
+FIGURE_PROMPTS = ("long", "short sleeves", "dress", "pants")
+"""Each asked of the first garment that it asks a change of, a new one where there is one."""
 
 
 def way_picture(
@@ -73,16 +73,24 @@ def guesses_picture(
 
 def text_picture(editors: "Sequence[Editing]", split: str) -> UInt8[np.ndarray, "row col 3"]:
     """The paper's figure: four garments and four prompts, and what each editor makes of them."""
-    from garmentimage.evaluate.text import chosen, edited
+    from garmentimage.evaluate.text import asked_of, chosen, edited
 
-    rows = []
-    for number, prompt in FIGURE_PROMPTS:
-        start = chosen(editors[0].data, split)[number]
+    known = chosen(editors[0].data, split)
+    asked = asked_of(known)
+    rows: list[np.ndarray] = []
+    used: set[int] = set()
+    for prompt in FIGURE_PROMPTS:
+        numbers = [k for k, other in asked if other.text == prompt]
+        if not numbers:
+            continue
+        number = next((k for k in numbers if k not in used), numbers[0])
+        used.add(number)
+        start = known[number]
         columns = [shown("as given", _step(start, ""))]
         for editor in editors:
             if editor.kind in ("raster", "vectors"):
                 columns.append(
-                    shown(f"{prompt}: {editor.name}", _step(*edited(editor, start, prompt)))
+                    shown(f"{prompt}: {editor.kind}", _step(*edited(editor, start, prompt)))
                 )
         rows.append(strip(columns))
     return np.concatenate(rows)

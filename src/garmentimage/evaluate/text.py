@@ -17,7 +17,7 @@ from garmentimage.dataset.sheet import dataset_hash
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
 from garmentimage.evaluate.garment import seen
-from garmentimage.evaluate.prompts import PROMPTS, is_asked
+from garmentimage.evaluate.prompts import PROMPTS, Prompt, is_asked
 from garmentimage.evaluate.records import Records
 from garmentimage.explore.space import LatentSpace, Step
 from garmentimage.files import shown_path
@@ -223,6 +223,16 @@ def _pictures(folder: str) -> Any:
     return load_weights(ImageDecoder, folder)
 
 
+def asked_of(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
+    """Numbers of garments, and the prompts that ask a change of them."""
+    return [
+        (number, prompt)
+        for number, start in enumerate(traits(pattern) for pattern in garments)
+        for prompt in PROMPTS
+        if start and is_asked(prompt, start)
+    ]
+
+
 @cache
 def chosen(data: str, split: str) -> list[Pattern]:
     """Garments of a split, types in turn, in an order of their own."""
@@ -261,14 +271,9 @@ def _items(editors: Sequence[Editing], data: str, garments: int, split: str) -> 
         raise LearnError(
             f"{shown_path(data)}: has {len(known)} garments of split {split}; this takes {garments}"
         )
-    asked: list[tuple[int, int]] = []
-    for number, pattern in enumerate(known[:garments]):
-        start = traits(pattern)
-        asked += [
-            (k, number) for k, prompt in enumerate(PROMPTS) if start and is_asked(prompt, start)
-        ]
+    asked = asked_of(known[:garments])
     return [
-        Item(editing, prompt, garment, split, number)
+        Item(editing, PROMPTS.index(prompt), garment, split, number)
         for editing in editors
-        for number, (prompt, garment) in enumerate(asked)
+        for number, (garment, prompt) in enumerate(asked)
     ]
