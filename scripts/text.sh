@@ -3,14 +3,14 @@
 # where it was stopped. Words after the first go to `train`: --accelerator gpu.
 #
 #     scripts/text.sh .venv/bin/garmentimage
-#     SHORT=yes scripts/text.sh .venv/bin/garmentimage    # 80 minutes of two cores, no baseline
+#     SHORT=yes scripts/text.sh .venv/bin/garmentimage    # 90 minutes of two cores at most, no baseline
 set -eu
 run=$1
 shift
 export OMP_NUM_THREADS=1
 data=data/text-edit
 if [ "${SHORT-}" ]; then
-    runs=runs/text-short measured=runs/edits-short denoiser=24 vae=30 pictures=18
+    runs=runs/text-short measured=runs/edits-short denoiser=20 vae=30 pictures=14
     vectors= garments=12
     set -- --batch 16 --rate 0.001 "$@" # about as many steps as the long ones, in fewer epochs
 else
