@@ -15,6 +15,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 WORKERS ?= 2
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
 .PHONY: demo test check lint corpus picture explore image text bench clean
 
@@ -22,10 +23,10 @@ demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
 
 test: $(VENV)/ready-dev
-	$(BIN)/python -m pytest -n $(WORKERS) -m "not corpus"
+	$(PYTEST) -m "not corpus"
 
 check: lint
-	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow and not corpus"
+	$(PYTEST) -m "not slow and not corpus"
 
 lint: $(VENV)/ready-dev
 	$(BIN)/ruff format --check .
@@ -33,7 +34,7 @@ lint: $(VENV)/ready-dev
 	$(BIN)/mypy src
 
 corpus: $(VENV)/ready-dev
-	$(BIN)/python -m pytest -n $(WORKERS) -m corpus
+	$(PYTEST) -m corpus
 
 picture: $(VENV)/ready
 	$(BIN)/garmentimage show --round-trip src/garmentimage/examples/dress.json \

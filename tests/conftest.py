@@ -11,6 +11,18 @@ settings.register_profile("garmentimage", deadline=None, derandomize=True)
 settings.load_profile("garmentimage")
 
 
+SHARED = {"pictured", "trained"}
+"""Fixtures that take minutes."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """One process has all tests of a shared fixture, which is made there only."""
+    for item in items:
+        for name in SHARED.intersection(item.fixturenames):
+            item.add_marker(pytest.mark.xdist_group(name))
+
+
 @pytest.fixture(scope="session")
 def pictured(tmp_path_factory):
     """A small dataset of `d2`: pictures and patterns, some of a type not seen in training."""

@@ -71,6 +71,7 @@ def run_edit(options: argparse.Namespace) -> Exit:
             f"there is no guidance {quoted(options.guidance)}; choose {' or '.join(KINDS)}"
         )
     _need_extra()
+    import torch
     from tqdm import tqdm
 
     from garmentimage.text.edit import (
@@ -88,6 +89,8 @@ def run_edit(options: argparse.Namespace) -> Exit:
     tries = MOST_TRIES if options.tries is None else options.tries
     check_amounts(options.strength, steps, tries)
     _check_results(options.out, options.garment)
+    if options.guidance == "small":  # so small that threads would mostly wait for each other,
+        torch.set_num_threads(1)  # and a result would depend on how many there are
     editor = TextEditor.load(
         SPACE if options.space is None else options.space,
         PICTURES if options.pictures is None else options.pictures,
@@ -151,7 +154,7 @@ def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
     if near < FAMILIAR:
         say(
             f"warning: the text {quoted(text)} is far from all that the network was told of "
-            f"garments; nearest is {quoted(phrase)}; expect little"
+            f"garments, in English; nearest is {quoted(phrase)}; expect little"
         )
     return guidance
 
@@ -204,13 +207,15 @@ def _tell(options: argparse.Namespace, found: "TextEdit", after: "Shown") -> Exi
     if told["faults"]:
         said += f"; NOT a garment that can be worn: {'; '.join(told['faults'])}"
     print(said)
-    if found.done is not None:
-        tries = f"{found.tries} tries" if found.tries > 1 else "one try"
+    tries = f"{found.tries} tries" if found.tries > 1 else "one try"
+    if found.done is None:
+        print(f"whether it is {quoted(options.text)} now is not known: look at the picture")
+    elif found.done:
+        print(f"by the shape of its panels, it is {quoted(options.text)} now ({tries})")
+    else:
         print(
-            f"by the shape of its panels, it is {quoted(options.text)} now ({tries})"
-            if found.done
-            else f"by the shape of its panels, it is NOT {quoted(options.text)} ({tries}); "
-            "say it in other words, or try --strength 2"
+            f"by the shape of its panels, it is NOT {quoted(options.text)} ({tries}); say it in "
+            f"other words, or try --seed {options.seed + 1}"
         )
     print(f"{shown_path(options.out / 'strip.png')}: the way there")
     return Exit.OK

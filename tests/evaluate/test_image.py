@@ -28,7 +28,7 @@ def runs(pictured, tmp_path_factory):
         "cascade-1": ["cascade", "--seed", 1],
         "panel-pool": ["panel-pool"],
     }.items():
-        words = [*words, "--data", pictured, "--epochs", 12, "--batch", 12, "-o", folder / name]
+        words = [*words, "--data", pictured, "--epochs", 4, "--batch", 12, "-o", folder / name]
         assert main(["train", *map(str, words)]) == 0
     return folder
 

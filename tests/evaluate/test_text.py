@@ -67,7 +67,7 @@ def test_a_table_has_everyone_who_edits(trained, tmp_path, monkeypatch, capsys):
         "--pictures", folder / "pictures" / "model", "--denoiser", folder / "denoiser" / "model",
         "--vectors", folder / "vector-vae" / "model",
         "--vector-pictures", folder / "vector-pictures" / "model",
-        "--steps", 2, "--edited", 1, "--workers", 1, "-o", tmp_path / "out",
+        "--steps", 2, "--tries", 2, "--edited", 1, "--workers", 1, "-o", tmp_path / "out",
     ]  # fmt: skip
     assert main(list(map(str, words))) == 0
     told = json.loads((tmp_path / "out" / "result.json").read_text())

@@ -7,6 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from garmentimage.draft.kinds import draft
 from garmentimage.draft.sample import sample
@@ -18,6 +21,7 @@ from garmentimage.metrics import match_panels, stitch_graph, validity
 from garmentimage.metrics.topology import topology_word
 from garmentimage.pattern.spec import load_pattern
 from garmentimage.raster.encode import encode
+from garmentimage.raster.image import mirrored_channels
 
 
 @pytest.fixture(scope="module")
@@ -209,3 +213,20 @@ def test_rows_are_named_by_ids():
     for wrong in ("vae-variety-99-0000001", "d2-00-0000001", "vae-variety-02-31", ""):
         with pytest.raises(DatasetError, match="has no row"):
             task_of(chosen, wrong, 5)
+
+
+@given(noise=arrays(np.float32, 32, elements=st.floats(-1, 1, width=32)))
+def test_what_comes_of_an_even_garment_is_even_where_the_space_is_fit_for_it(noise):
+    space = LatentSpace.load("text-edit")
+    dress = space.image(draft("one-panel-dress"))
+    fit = space.fit_for(dress)
+    channels = fit.step(space.encode(dress) + noise).image.to_channels()[None]
+    inside, mirrored = channels[:, [0, 17]], mirrored_channels(channels)[:, [0, 17]]
+    assert np.array_equal(inside, mirrored)
+
+
+def test_a_space_fit_for_an_uneven_garment_is_the_same():
+    space = LatentSpace.load("text-edit")
+    dress = space.image(draft("one-panel-dress", hem_slant=8.0))
+    z = space.encode(dress)[None]
+    assert np.array_equal(space.fit_for(dress).decode_channels(z), space.decode_channels(z))

@@ -19,7 +19,7 @@ from garmentimage.learn.rasters import from_channels as rasters_from_channels
 from garmentimage.metrics import match_panels
 from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode
-from garmentimage.raster.image import GarmentImage
+from garmentimage.raster.image import GarmentImage, mirrored_channels
 from tests.images import images
 
 SURE = 30.0
@@ -73,6 +73,14 @@ def test_mirrored_maps_are_those_of_the_mirrored_raster(image):
     found = torch.cat([mirrored_flags(flags), mirrored_types(types), mirrored_vectors(vectors)], 1)
     expected = truth.mirrored().inputs()
     assert torch.equal(found[..., 1:], expected[..., 1:])  # nothing tells the first left edges
+
+
+@given(images(layers=2, grids=(4, 8, 16)))
+def test_mirrored_channels_are_those_of_the_mirrored_raster(image):
+    image = image.without_marks()
+    channels = mirrored_channels(image.to_channels()[None])[0]
+    found = rasters_of(GarmentImage.from_channels(channels)).inputs()
+    assert torch.equal(found[..., 1:], rasters_of(image).mirrored().inputs()[..., 1:])
 
 
 @pytest.mark.parametrize("kind", ["one-panel-dress", "top-pants"])

@@ -102,6 +102,7 @@ def test_a_text_that_is_about_something_else_is_told_so(trained, dress, tmp_path
         (["pants", "--negative", "a" * 600], "the text has 600 characters"),
         (["pants", "--wrap", "a" * 600 + "{}"], "the text has 605 characters"),
         (["pants", "--model", "nowhere"], "nowhere"),
+        (["pants", "--guidance", "sd", "--model", "nowhere"], "nowhere: there is no such folder"),
         (["pants", "--guidance", "sd", "--model", "."], "holds no Stable Diffusion model"),
     ],
 )

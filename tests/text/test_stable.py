@@ -70,6 +70,8 @@ def test_a_folder_that_is_something_else_is_refused_in_a_sentence(tiny, tmp_path
         StableDiffusion(str(tmp_path / "empty"))
     with pytest.raises(LearnError, match="cannot be read"):
         StableDiffusion("a" * 5000)
+    with pytest.raises(LearnError, match="there is no such folder"):
+        StableDiffusion(str(tmp_path / "nowhere"))
 
 
 @pytest.mark.parametrize(

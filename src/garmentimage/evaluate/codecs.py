@@ -1,7 +1,7 @@
 """What is judged: networks that turn garments into latent vectors and back, all in one form."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -23,6 +23,9 @@ class Codec(Protocol):
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of some garments."""
 
+    def fit_for(self, pattern: Pattern) -> "Codec":
+        """What edits of a garment go by."""
+
     def settled(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""
 
@@ -42,6 +45,10 @@ class RasterCodec:
         images = [encode(pattern, self.space.grid).to_channels() for pattern in patterns]
         return self.space.encode_channels(np.stack(images))
 
+    def fit_for(self, pattern: Pattern) -> "RasterCodec":
+        """Keeps an even garment even."""
+        return replace(self, space=self.space.fit_for(self.space.image(pattern)))
+
     def settled(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""
         return self.space.settled(z, times)
@@ -60,6 +67,10 @@ class PlainCodec:
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """All channels of some garments."""
         return np.stack([encode(each, self.grid).to_channels().ravel() for each in patterns])
+
+    def fit_for(self, pattern: Pattern) -> "PlainCodec":
+        """The same: it knows nothing of left and right."""
+        return self
 
     def settled(self, z: Latent, times: int) -> Latent:
         """The same: there is no network that knows garments."""
@@ -107,6 +118,10 @@ class VectorCodec:
 
         with torch.no_grad():
             return self.model.encode(vectors(patterns, self.words))[0].numpy()
+
+    def fit_for(self, pattern: Pattern) -> "VectorCodec":
+        """The same: it knows nothing of left and right."""
+        return self
 
     def settled(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""

@@ -147,7 +147,7 @@ def edited(editing: Editing, start: Pattern, text: str) -> tuple[Pattern | None,
     """What an editor makes of a garment, and why it is no garment, if it is none."""
     if editing.kind == "caption":
         return _captioned(editing.data, text), ""
-    codec = codec_of(editing)
+    codec = codec_of(editing).fit_for(start)
     z = codec.latents([start])[0]
     step = codec.step(z) if editing.kind == "nothing" else _best(editing, codec, z, start, text)
     return step.pattern, step.faults[0] if step.faults else ""

@@ -7,6 +7,7 @@ A space is a folder: `config.json` (what the network was made for), `encoder.onn
 
 import json
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
@@ -26,7 +27,7 @@ from garmentimage.metrics.validity import structure_faults, validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode
-from garmentimage.raster.image import CHANNEL_CONTRACT, GarmentImage
+from garmentimage.raster.image import CHANNEL_CONTRACT, GarmentImage, mirrored_channels
 from garmentimage.raster.repair import RepairLevel, RepairReport, repair
 
 SHIPPED = Path(str(files("garmentimage") / "weights"))
@@ -36,6 +37,8 @@ DEFAULT = "vae-variety"
 LIKE_IOU = 0.85
 """Garments whose panels come back with an IoU below this are unlike those that were trained on."""
 
+EVEN_CM = 0.5
+"""Edge vectors on the left and on the right of an even garment differ by less [cm]."""
 LONGEST_CM = 1000.0
 """A cell's edge is no longer on a flat panel [cm]."""
 MOST = 1e6
@@ -85,6 +88,7 @@ class LatentSpace:
         recipe, seed = self.config.get("recipe"), self.config.get("seed")
         if not isinstance(recipe, str) or type(seed) is not int or not 0 <= seed < 2**63:
             raise damaged(self.folder / CONFIG)
+        self.is_even = False
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT) -> "LatentSpace":
@@ -150,7 +154,19 @@ class LatentSpace:
         self, z: Float32[np.ndarray, "n latent"]
     ) -> Float32[np.ndarray, "n 34 row col"]:
         """Images of latent vectors: probabilities, and vectors in cm, not repaired."""
-        return run_session(self._decoder, self.folder / DECODER, z)
+        channels = run_session(self._decoder, self.folder / DECODER, z)
+        return (channels + mirrored_channels(channels)) / 2 if self.is_even else channels
+
+    def fit_for(self, image: GarmentImage) -> "LatentSpace":
+        """The same space, in which what comes of an even garment is even.
+
+        Even is what is as its mirror image: there each image that the network gives and its mirror
+        image are averaged.
+        """
+        channels = image.to_channels()[None]
+        found = copy(self)
+        found.is_even = bool(np.abs(channels - mirrored_channels(channels)).max() < EVEN_CM)
+        return found
 
     def settled(self, z: Latent, times: int) -> Latent:
         """Where a point ends that is decoded and encoded again so many times, 0 or more.
@@ -197,9 +213,10 @@ class LatentSpace:
         again = self.step(given.z).pattern
         if again is None:
             return "it comes back as no garment"
-        panels = f"{len(again.panels)} panels of its {len(given.pattern.panels)}"
+        count, before = len(again.panels), len(given.pattern.panels)
         if topology_of(again) != topology_of(given.pattern):
-            return f"it comes back with other seams, as {panels}"
+            panels = f", as {count} panels of its {before}" if count != before else ""
+            return f"it comes back with other seams{panels}"
         overlap = match_panels(given.pattern, again).mean_iou
         return f"its panels come back with an IoU of {overlap:.2f}" if overlap < LIKE_IOU else ""
 

@@ -207,3 +207,22 @@ def check_channels(array: np.ndarray) -> np.ndarray:
     if not (np.abs(array) <= np.finfo(np.float32).max).all():
         raise ImageError("channels hold values that are not finite (NaN, infinity or over 3e38)")
     return array
+
+
+def mirrored_channels(
+    channels: Float32[np.ndarray, "n channel row col"],
+) -> Float32[np.ndarray, "n channel row col"]:
+    """Images as `to_channels` gives them, or probabilities, with left and right exchanged.
+
+    The left edge of a cell is the right one of its mirror image; beyond the last column there is
+    none, and the first column's stands in for it.
+    """
+    count, depth, grid, _ = channels.shape
+    turned = channels[..., ::-1].reshape(count, -1, CHANNELS_PER_LAYER, grid, grid)
+    inside, bottom, left, vectors = np.split(turned, [1, 5, 9], axis=2)
+    left = np.concatenate([left[..., :1], left[..., :-1]], -1)
+    edges = vectors.reshape(count, -1, 4, 2, grid, grid)[:, :, [0, 3, 2, 1]]
+    across, upright = np.array([1, -1], np.float32), np.array([-1, 1], np.float32)
+    edges = edges * np.stack([across, upright, across, upright])[:, :, None, None]
+    parts = [inside, bottom, left, edges.reshape(vectors.shape)]
+    return np.concatenate(parts, 2).reshape(count, depth, grid, grid)

@@ -138,6 +138,8 @@ class TextEditor:
         words = checked_text(text)
         check_amounts(strength, steps, tries)
         given = self.space.given(source)
+        assert given.image is not None  # `LatentSpace.given` has one
+        space = self.space.fit_for(given.image)
         start = torch.from_numpy(given.z).float()
         told, said = contrast(given.pattern, words)
         wanted = set(np.linspace(0, steps, min(FRAMES, steps + 1)).round().astype(int).tolist())
@@ -164,10 +166,13 @@ class TextEditor:
                 touched=touched,
                 progress=keep,
             )
-            return self.space.step(self.space.settled(z.numpy(), SETTLE))
+            return space.step(space.settled(z.numpy(), SETTLE))
 
         best = best_try(given.pattern, words, attempt, tries)
-        frames = tuple(self._frame(number, z) for number, z in sorted(ways[best.number].items()))
+        frames = tuple(
+            Frame(number, space.step(z.numpy()), self.picture(z.numpy()))
+            for number, z in sorted(ways[best.number].items())
+        )
         return TextEdit(given, frames, best.step, best.count, best.done)
 
     def picture(self, z: Latent) -> UInt8[np.ndarray, "row col 3"]:
@@ -176,9 +181,6 @@ class TextEditor:
             colours = self.pictures.draw(torch.from_numpy(np.asarray(z, np.float32))[None])[0]
         upright = (colours.flip(1).permute(1, 2, 0) * 255).round().to(torch.uint8)
         return np.ascontiguousarray(upright.numpy())
-
-    def _frame(self, number: int, z: torch.Tensor) -> Frame:
-        return Frame(number, self.space.step(z.numpy()), self.picture(z.numpy()))
 
 
 def moved(

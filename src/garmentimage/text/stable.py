@@ -1,5 +1,7 @@
 """Stable Diffusion as guidance, as in the paper (Section 4.2), through `diffusers`."""
 
+import re
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from garmentimage.text.guidance import Pictures
 DEFAULT = "stable-diffusion-v1-5/stable-diffusion-v1-5"
 SCALE, WRAPPED = 30.0, "a photo of a person wearing {}, plain white background"
 """How much more a text counts than its absence, and what it is wrapped in."""
+HUB_ID = re.compile(r"\w[\w.-]*/\w[\w.-]*")
 PREDICTED = "epsilon", "v_prediction"
 """What a model may say of a noisy picture."""
 UNFIT = (AttributeError, IndexError, TypeError, ValueError, ArithmeticError, RuntimeError)
@@ -141,13 +144,20 @@ def _pipeline(model: str) -> Any:
         is_folder = Path(model).is_dir()
     except OSError as error:
         raise LearnError(f"{shown_path(model)}: cannot be read ({error.strerror})") from None
+    if not is_folder and not HUB_ID.fullmatch(model):
+        raise LearnError(
+            f"{shown_path(model)}: there is no such folder; give one that diffusers saved, or an "
+            f"id on the Hugging Face Hub such as {DEFAULT}"
+        )
     if is_folder and not (Path(model) / "model_index.json").is_file():
         raise LearnError(
             f"{shown_path(model)}: holds no Stable Diffusion model (no model_index.json); give a "
             "folder that diffusers saved"
         )
     try:
-        told = StableDiffusionPipeline.load_config(model, local_files_only=is_folder)
+        with warnings.catch_warnings():  # of one library about how another calls it
+            warnings.filterwarnings("ignore", "The `local_dir_use_symlinks` argument")
+            told = StableDiffusionPipeline.load_config(model, local_files_only=is_folder)
         if told.get("_class_name") != StableDiffusionPipeline.__name__:
             raise LearnError(
                 f"{shown_path(model)}: is a {told.get('_class_name')}, no Stable Diffusion 1 or 2; "
