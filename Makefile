@@ -5,7 +5,7 @@
 # make picture the pictures in the README
 # make explore networks of docs/explore.md, trained anew and measured: about 5 hours on two cores
 # make image   networks of docs/predict.md, likewise: about a day
-# make text    networks of docs/text.md, likewise; SHORT=yes: a short training
+# make text    networks of docs/text.md, likewise; SHORT=yes: an hour and a half
 # make bench   encode, decode, import and start, timed on one core
 
 OLDEST_TO_NEWEST := (3, 11) <= sys.version_info[:2] <= (3, 13)

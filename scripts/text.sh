@@ -3,7 +3,7 @@
 # where it was stopped. Words after the first go to `train`: --accelerator gpu.
 #
 #     scripts/text.sh .venv/bin/garmentimage
-#     SHORT=yes scripts/text.sh .venv/bin/garmentimage    # a short training, no baseline
+#     SHORT=yes scripts/text.sh .venv/bin/garmentimage    # 40 to 75 minutes of training, no baseline
 set -eu
 run=$1
 shift
