@@ -12,6 +12,8 @@ import garmentimage as gi
 from garmentimage.cli import main
 from garmentimage.draft.kinds import draft
 from garmentimage.errors import LearnError
+from garmentimage.explore.space import EVEN_CM
+from garmentimage.raster.image import mirrored_channels
 from garmentimage.text.edit import TextEditor, checked_text, denoiser_guidance
 from garmentimage.text.guidance import ScoreDistillation
 
@@ -60,6 +62,16 @@ def test_the_same_seed_edits_the_same_and_strength_goes_further(trained, dress):
     one, again, other, further = moved(1, 1.0), moved(1, 1.0), moved(2, 1.0), moved(1, 20.0)
     assert np.array_equal(one, again) and not np.array_equal(one, other)
     assert np.linalg.norm(further) >= np.linalg.norm(one) > 0
+
+
+def test_a_dress_that_is_asked_to_be_long_keeps_a_level_hem():
+    """With the networks of the package: most dresses that they know have a slanted hem."""
+    guidance, _ = denoiser_guidance(None, "long")
+    found = TextEditor.load().edit(draft("one-panel-dress"), "long", guidance, tries=1)
+    assert found.done
+    for step in (found.result, *(frame.step for frame in found.frames)):
+        channels = step.image.to_channels()[None]
+        assert np.abs(channels - mirrored_channels(channels)).max() < EVEN_CM
 
 
 def test_stable_diffusion_drives_the_same_command(trained, dress, tiny, tmp_path, capsys):

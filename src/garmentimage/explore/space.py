@@ -88,7 +88,7 @@ class LatentSpace:
         recipe, seed = self.config.get("recipe"), self.config.get("seed")
         if not isinstance(recipe, str) or type(seed) is not int or not 0 <= seed < 2**63:
             raise damaged(self.folder / CONFIG)
-        self.is_even = False
+        self.is_even = False  # whether all its garments are as their mirror images, see `fit_for`
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT) -> "LatentSpace":
