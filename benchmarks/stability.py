@@ -23,7 +23,7 @@ from provenance import provenance
 from tqdm import tqdm
 
 from garmentimage import GarmentImage, GarmentImageError, Pattern, encode
-from garmentimage.metrics.matching import panel_iou
+from garmentimage.compare.matching import panel_iou
 from garmentimage.pattern.model import Loop, Panel
 from garmentimage.pattern.spec import read_pattern
 from garmentimage.raster.cells import label_panels

@@ -20,6 +20,7 @@ ROOMS = (
     {"provenance", "interrupts"},
     {"geometry"},
     {"pattern"},
+    {"compare"},
     {"body"},
     {"draft"},
     {"raster"},

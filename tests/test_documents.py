@@ -29,7 +29,7 @@ from garmentimage.raster.encode import encode
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import PanelMark
 from garmentimage.raster.marks import mark_from_json
-from tests.metrics.garments import darted_skirt
+from tests.compare.garments import darted_skirt
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -11,12 +11,12 @@ import shapely
 from hypothesis import assume, given, settings
 
 from garmentimage.body.measurements import measurements, presets
+from garmentimage.compare.judge import judge
+from garmentimage.compare.validity import validity
 from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, PARTS, draft
 from garmentimage.draft.panel import FACINGS
 from garmentimage.draft.parameters import parameters_of
 from garmentimage.errors import DraftError
-from garmentimage.metrics.roundtrip import judge
-from garmentimage.metrics.validity import validity
 from garmentimage.pattern.check import check_pattern
 from garmentimage.pattern.spec import load_pattern, pattern_to_spec, save_pattern
 from garmentimage.raster.decode import decode

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from garmentimage.compare.topology import topology_word
 from garmentimage.draft.kinds import draft
 from garmentimage.draft.sample import sample
 from garmentimage.errors import DatasetError, LearnError
@@ -18,7 +19,6 @@ from garmentimage.examples import example_path
 from garmentimage.explore.space import LatentSpace, space_names
 from garmentimage.explore.walk import generate, interpolate, nearest, transfer
 from garmentimage.metrics import match_panels, stitch_graph, validity
-from garmentimage.metrics.topology import topology_word
 from garmentimage.pattern.spec import load_pattern
 from garmentimage.raster.encode import encode
 from garmentimage.raster.image import mirrored_channels

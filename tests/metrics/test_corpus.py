@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from garmentimage.metrics.roundtrip import judge
-from garmentimage.metrics.validity import validity
+from garmentimage.compare.judge import judge
+from garmentimage.compare.validity import validity
 from garmentimage.pattern.spec import read_pattern
-from tests.corpus import corpus_sample, sample
-from tests.metrics.garments import (
+from tests.compare.garments import (
     renamed_panels,
     reordered,
     shifted_loops,
@@ -19,6 +18,7 @@ from tests.metrics.garments import (
     turned_stitch,
     without_stitch,
 )
+from tests.corpus import corpus_sample, sample
 
 pytestmark = [pytest.mark.corpus, pytest.mark.slow]
 

@@ -11,7 +11,7 @@ import garmentimage as gi
 from garmentimage.draft.sample import sample
 from garmentimage.metrics import interval, likeness, likeness_summary, validity
 from garmentimage.pattern.model import Side, Stitch
-from tests.metrics.garments import (
+from tests.compare.garments import (
     renamed_panels,
     reordered,
     shifted_loops,

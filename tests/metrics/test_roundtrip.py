@@ -9,14 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from garmentimage.compare.judge import RoundtripResult, judge
 from garmentimage.errors import EncodeError
 from garmentimage.examples import example_path
 from garmentimage.metrics.report import report_to_json
 from garmentimage.metrics.roundtrip import (
     FileReport,
-    RoundtripResult,
     Trip,
-    judge,
     kind_of,
     roundtrip_file,
     roundtrip_many,
@@ -29,7 +28,7 @@ from garmentimage.pattern.spec import read_pattern, save_pattern
 from garmentimage.raster import encode as encode_module
 from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode
-from tests.metrics.garments import (
+from tests.compare.garments import (
     GARMENTS,
     darted_skirt,
     renamed_panels,

@@ -10,7 +10,7 @@ import shapely
 from hypothesis import given, settings
 
 from garmentimage import EncodeError, decode, encode, load_pattern, save_image
-from garmentimage.metrics.matching import panel_region
+from garmentimage.compare.matching import panel_region
 from tests.corpus import corpus_sample
 from tests.garments import garments
 

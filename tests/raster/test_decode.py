@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
+from garmentimage.compare.judge import judge
 from garmentimage.errors import DecodeError, GarmentImageError, ImageError
 from garmentimage.examples import example_path
 from garmentimage.geometry.polygons import centroid
-from garmentimage.metrics.roundtrip import judge
 from garmentimage.pattern.check import check_pattern
 from garmentimage.pattern.spec import read_pattern
 from garmentimage.raster.cells import cell_mesh

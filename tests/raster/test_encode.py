@@ -16,9 +16,9 @@ from garmentimage import (
     save_image,
     save_pattern,
 )
+from garmentimage.compare.judge import judge
 from garmentimage.examples import example_path
 from garmentimage.geometry.curves import Line
-from garmentimage.metrics.roundtrip import judge
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch, loop_from_curves
 from garmentimage.raster.cells import label_panels
 from garmentimage.raster.frame import BodyFrame

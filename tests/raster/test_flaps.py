@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from garmentimage.compare.topology import topology_word
 from garmentimage.draft.kinds import draft
 from garmentimage.errors import DecodeError
 from garmentimage.metrics import stitch_graph
-from garmentimage.metrics.topology import topology_word
 from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode
 from garmentimage.raster.image import LEFT, EdgeType

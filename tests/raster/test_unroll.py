@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from garmentimage import decode, encode
+from garmentimage.compare.judge import judge
 from garmentimage.geometry.curves import Arc, Line
 from garmentimage.geometry.polygons import polyline_length
-from garmentimage.metrics.roundtrip import judge
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
 from garmentimage.raster.complex import seam_complex
 from garmentimage.raster.layout import FIRST, layouts

@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float32
 
+from garmentimage.compare.validity import validity
 from garmentimage.errors import DecodeError
 from garmentimage.explore.space import Latent, LatentSpace, Step, step_of
-from garmentimage.metrics.validity import validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.encode import encode
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT

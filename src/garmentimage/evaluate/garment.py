@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from garmentimage.compare.matching import loop_polygon, match_panels
+from garmentimage.compare.stitch_graph import match_graphs, stitch_graph
+from garmentimage.compare.topology import topology_word
+from garmentimage.compare.validity import structure_faults, validity
 from garmentimage.drape.wear import drape
 from garmentimage.errors import GarmentImageError
-from garmentimage.metrics.matching import loop_polygon, match_panels
-from garmentimage.metrics.stitch_graph import match_graphs, stitch_graph
-from garmentimage.metrics.topology import topology_word
-from garmentimage.metrics.validity import structure_faults, validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.render.look import photograph
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 import numpy as np
 from jaxtyping import Float32, UInt8
 
+from garmentimage.compare.validity import validity
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.explore.space import step_of
 from garmentimage.files import shown_path
-from garmentimage.metrics.validity import validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.predict.network import PREDICTOR, PatternPredictor, certainty
 from garmentimage.raster.repair import RepairLevel

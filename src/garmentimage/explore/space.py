@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float32
 
+from garmentimage.compare.matching import match_panels
+from garmentimage.compare.stitch_graph import stitch_graph
+from garmentimage.compare.topology import topology_word
+from garmentimage.compare.validity import structure_faults, validity
 from garmentimage.draft.parameters import near
 from garmentimage.errors import DecodeError, GarmentImageError, LearnError, quoted
 from garmentimage.files import shown_path
-from garmentimage.metrics.matching import match_panels
-from garmentimage.metrics.stitch_graph import stitch_graph
-from garmentimage.metrics.topology import topology_word
-from garmentimage.metrics.validity import structure_faults, validity
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode

@@ -1,8 +1,7 @@
 """How alike two patterns are, whether one can be sewn, and how well round trips go. No torch."""
 
-from garmentimage.metrics.intervals import Interval, interval
-from garmentimage.metrics.likeness import Likeness, Scores, likeness, likeness_summary
-from garmentimage.metrics.matching import (
+from garmentimage.compare.judge import RoundtripResult, judge
+from garmentimage.compare.matching import (
     Matching,
     PanelPair,
     boundary_distance,
@@ -12,6 +11,19 @@ from garmentimage.metrics.matching import (
     matching_from,
     panel_iou,
 )
+from garmentimage.compare.stitch_graph import (
+    GraphMatch,
+    SeamSide,
+    StitchGraph,
+    lengths_agree,
+    match_graphs,
+    same_stitch_graph,
+    seam_agreement,
+    stitch_graph,
+)
+from garmentimage.compare.validity import validity
+from garmentimage.metrics.intervals import Interval, interval
+from garmentimage.metrics.likeness import Likeness, Scores, likeness, likeness_summary
 from garmentimage.metrics.published import (
     Slots,
     published_figures,
@@ -22,26 +34,13 @@ from garmentimage.metrics.report import report_to_json
 from garmentimage.metrics.roundtrip import (
     FileReport,
     KindSummary,
-    RoundtripResult,
     Trip,
-    judge,
     kind_of,
     roundtrip_file,
     roundtrip_many,
     summarise,
     summary_table,
 )
-from garmentimage.metrics.stitch_graph import (
-    GraphMatch,
-    SeamSide,
-    StitchGraph,
-    lengths_agree,
-    match_graphs,
-    same_stitch_graph,
-    seam_agreement,
-    stitch_graph,
-)
-from garmentimage.metrics.validity import validity
 
 __all__ = [
     "FileReport",

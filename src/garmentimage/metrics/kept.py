@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from garmentimage.body.measurements import measurements
+from garmentimage.compare.validity import drawing_faults
 from garmentimage.metrics.traits import placed_panels
-from garmentimage.metrics.validity import drawing_faults
 from garmentimage.pattern.model import Pattern
 
 if TYPE_CHECKING:

@@ -13,17 +13,17 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.errors import PatternError, check_type
-from garmentimage.geometry.polygons import resample
-from garmentimage.metrics.intervals import Interval, interval
-from garmentimage.metrics.matching import aligned_points, loop_polygon, match_panels
-from garmentimage.metrics.stitch_graph import match_graphs, stitch_graph
-from garmentimage.metrics.validity import (
+from garmentimage.compare.matching import aligned_points, loop_polygon, match_panels
+from garmentimage.compare.stitch_graph import match_graphs, stitch_graph
+from garmentimage.compare.validity import (
     drawing_faults,
     ratio_faults,
     stitch_faults,
     structure_faults,
 )
+from garmentimage.errors import PatternError, check_type
+from garmentimage.geometry.polygons import resample
+from garmentimage.metrics.intervals import Interval, interval
 from garmentimage.pattern.model import Panel, Pattern, Side
 
 MOST_OF = 0.5

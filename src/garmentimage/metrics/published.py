@@ -20,8 +20,8 @@ from math import atan2, hypot
 import numpy as np
 from jaxtyping import Bool, Float
 
+from garmentimage.compare.validity import stitch_faults
 from garmentimage.errors import PatternError, quoted
-from garmentimage.metrics.validity import stitch_faults
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Quadratic
 
 SLOT_EDGES = 14

@@ -14,8 +14,8 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.body.measurements import measurements
-from garmentimage.metrics.matching import loop_polygon
-from garmentimage.metrics.validity import drawing_faults
+from garmentimage.compare.matching import loop_polygon
+from garmentimage.compare.validity import drawing_faults
 from garmentimage.pattern.model import Pattern
 
 SIDE = 4.0

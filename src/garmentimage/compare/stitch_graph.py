@@ -23,9 +23,9 @@ from math import dist, sqrt
 
 import numpy as np
 
+from garmentimage.compare.matching import MIRRORED, POSES, TURNED, loop_polygon
 from garmentimage.geometry.curves import Curve, Point
 from garmentimage.geometry.polygons import centroid, signed_area
-from garmentimage.metrics.matching import MIRRORED, POSES, TURNED, loop_polygon
 from garmentimage.pattern.model import Pattern
 from garmentimage.pattern.seams import Run, sewn_runs
 

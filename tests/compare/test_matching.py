@@ -5,16 +5,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from garmentimage.geometry.curves import Arc
-from garmentimage.metrics.matching import (
+from garmentimage.compare.matching import (
     boundary_distance,
     boundary_gap,
     iou_matrix,
     match_panels,
     panel_iou,
 )
+from garmentimage.geometry.curves import Arc
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
-from tests.metrics.garments import (
+from tests.compare.garments import (
     GARMENTS,
     patched_cloth,
     polygon_loop,

@@ -3,15 +3,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from garmentimage.metrics.roundtrip import judge
-from garmentimage.metrics.stitch_graph import (
+from garmentimage.compare.judge import judge
+from garmentimage.compare.stitch_graph import (
     match_graphs,
     same_stitch_graph,
     seam_agreement,
     stitch_graph,
 )
 from garmentimage.pattern.model import Pattern, Side, Stitch
-from tests.metrics.garments import (
+from tests.compare.garments import (
     GARMENTS,
     collar,
     darted_skirt,

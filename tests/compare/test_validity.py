@@ -2,9 +2,9 @@ from dataclasses import replace
 
 import pytest
 
-from garmentimage.metrics.validity import SEAM_RATIO_LIMIT, validity
+from garmentimage.compare.validity import SEAM_RATIO_LIMIT, validity
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
-from tests.metrics.garments import (
+from tests.compare.garments import (
     GARMENTS,
     patched_cloth,
     polygon_loop,

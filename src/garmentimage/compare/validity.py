@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.metrics.matching import loop_polygon
-from garmentimage.metrics.stitch_graph import StitchGraph, stitch_graph
+from garmentimage.compare.matching import loop_polygon
+from garmentimage.compare.stitch_graph import StitchGraph, stitch_graph
 from garmentimage.pattern.model import Panel, Pattern, Side
 
 SEAM_RATIO_LIMIT = 4.0

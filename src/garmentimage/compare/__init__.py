@@ -1,0 +1,1 @@
+"""Two patterns compared: panels, stitch graphs, faults; whether one is the same as the other."""
