@@ -7,12 +7,21 @@
 - Where the two sides of a seam meet at a vertex, the apex of a dart, both runs end, or the dart
   would fold away.
 - A **closed** run is a whole loop without beginning: where its first edge lies does not count.
+- A **stub** is an edge, or a chain of edges all sewn or all free, that is shorter than `STUB_CM`,
+  as closing a loop with an extra vertex leaves behind. It is neither a run nor a gap: what lies
+  beside it meets.
 """
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass
+from itertools import groupby
+from math import dist
 
 from garmentimage.pattern.model import Pattern, Side
+
+STUB_CM = 0.1
+"""No cloth is cut more exactly than this [cm]. Of 78,000 edges of 1,350 garments by others 190 are
+shorter, all of them left over at corners."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +53,12 @@ class Run:
 def sewn_runs(pattern: Pattern) -> tuple[Run, ...]:
     """All runs of a pattern, in order of panel, loop and edge.
 
-    The pattern's stitches must name existing edges, each at most once.
+    Stubs are left out: their edges belong to no run. The pattern's stitches must name existing
+    edges, each at most once.
     """
-    stitch_of = {side: s for s in pattern.stitches for side in s.sides}
-    loops = _loops(pattern)
+    left_out = stubs(pattern)
+    stitch_of = {side: s for s in pattern.stitches for side in s.sides if side not in left_out}
+    loops = [(n, [s for s in ring if s not in left_out]) for n, ring in side_loops(pattern)]
     after = {s: n for _, ring in loops for s, n in zip(ring, ring[1:] + ring[:1])}
     before = {n: s for s, n in after.items()}
 
@@ -81,7 +92,46 @@ def sewn_runs(pattern: Pattern) -> tuple[Run, ...]:
     )
 
 
-def _loops(pattern: Pattern) -> list[tuple[int, list[Side]]]:
+def stubs(pattern: Pattern) -> frozenset[Side]:
+    """The edges that make up stubs.
+
+    A sewn edge is one only with what it is sewn to, and a loop keeps the edges that bound it.
+    """
+    short = {
+        Side(panel.name, k)
+        for panel in pattern.panels
+        for k, curve in enumerate(panel.curves)
+        if dist(curve.start, curve.end) < STUB_CM and curve.length < STUB_CM
+    }
+    if not short:
+        return frozenset()
+    found: set[Side] = set()
+    for _, ring in side_loops(pattern):
+        own = _short_chains(pattern, ring, short)
+        rest = [pattern.curve(side) for side in ring if side not in own]
+        if len(rest) >= 3 or (len(rest) == 2 and not all(curve.is_straight for curve in rest)):
+            found |= own
+    while alone := {side for side in found if pattern.partners.get(side, side) not in found}:
+        found -= alone
+    return frozenset(found)
+
+
+def _short_chains(pattern: Pattern, ring: list[Side], short: Container[Side]) -> set[Side]:
+    """The edges of a loop in chains of short edges that are short altogether."""
+
+    def kind(side: Side) -> tuple[bool, bool]:
+        return side in short, side in pattern.partners
+
+    turn = next((k for k in range(len(ring)) if kind(ring[k]) != kind(ring[k - 1])), 0)
+    found: set[Side] = set()
+    for (is_short, _), group in groupby((*ring[turn:], *ring[:turn]), key=kind):
+        chain = list(group)
+        if is_short and sum(pattern.curve(side).length for side in chain) < STUB_CM:
+            found.update(chain)
+    return found
+
+
+def side_loops(pattern: Pattern) -> list[tuple[int, list[Side]]]:
     """Every loop of every panel: its number, and its sides in order."""
     loops = []
     for panel in pattern.panels:

@@ -20,6 +20,8 @@ SHAPE_WEIGHT = 6.0
 SWEEPS = 400
 TOLERANCE = 1e-4
 BIG = 1 << 20
+LEAST_CELLS = 1e-9
+"""An arc without length still has a wish: without weight its vertices would have no place."""
 
 
 def compact(
@@ -129,6 +131,7 @@ def _wishes(
     Both count as much as their arcs do.
     """
     cells = np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in drawing.curves])
+    cells = np.maximum(cells, LEAST_CELLS)
     load = np.where(inner, np.repeat(drawing.weight * cells / lens, lens), 0.0)
     count = variable.max() + 1
     weight = np.bincount(variable, load, count)

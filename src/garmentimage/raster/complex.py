@@ -139,7 +139,7 @@ def _open_rings(placed: Placed) -> Placed:
         for seam in placed.seams
         for a, b in zip(parts[seam.a], parts[seam.b][::-1] if seam.crossed else parts[seam.b])
     ]
-    return Placed(tuple(panels), tuple(seams))
+    return replace(placed, panels=tuple(panels), seams=tuple(seams))
 
 
 def _arc(

@@ -10,14 +10,16 @@ Words of this file:
 - The **layout pose** is a panel moved rigidly into the picture plane, arms stretched to the sides.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from garmentimage.errors import EncodeError
 from garmentimage.geometry.polygons import signed_area
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.model import Pattern, Point
+from garmentimage.raster.joints import find_joints
 from garmentimage.raster.split import Cloth, Piece, split_wrapping
 
 FRONT, BACK = 0, 1
@@ -96,10 +98,13 @@ class Placed:
 
     panels: tuple[PlacedPanel, ...]
     seams: tuple[PlacedSeam, ...]
+    joined: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
+    """Of the pattern's panels, vertices that lie inside joined edges and shall be put back, in the
+    panel's own frame [cm]."""
 
 
 def place(pattern: Pattern) -> Placed:
-    """Give every panel its layer and its layout pose, wrapping panels split.
+    """Give every panel its layer and its layout pose, edges joined, wrapping panels split.
 
     The result does not depend on the order or the names of panels and stitches, nor on which
     edge of a panel comes first, and a mirrored garment gives the mirrored result.
@@ -108,7 +113,8 @@ def place(pattern: Pattern) -> Placed:
         EncodeError: a seam that cannot lie flat (one panel inside out, or on a second cloth
             layer), or a wrapping panel that cannot be split.
     """
-    cloth = Cloth.of(pattern, floor_shift(pattern))
+    joints = find_joints(pattern)
+    cloth = Cloth.of(pattern, joints, floor_shift(pattern))
     middle = middle_depth(cloth)
     for piece in cloth.pieces:
         piece.layer = _layer(cloth, piece, middle)
@@ -125,7 +131,10 @@ def place(pattern: Pattern) -> Placed:
     seams.sort(key=lambda s: (s.a, s.b))
     for seam in seams:
         _check_flat(panels, seam)
-    return Placed(panels, tuple(seams))
+    joined: dict[str, tuple[Point, ...]] = {}
+    for side in joints.kept:
+        joined[side.panel] = (*joined.get(side.panel, ()), pattern.curve(side).start)
+    return Placed(panels, tuple(seams), joined)
 
 
 def floor_shift(pattern: Pattern) -> float:

@@ -5,7 +5,7 @@ same whatever is cut elsewhere.
 """
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,7 +20,9 @@ from garmentimage.geometry.polygons import (
     resample,
     signed_area,
 )
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.model import Pattern, Side
+from garmentimage.pattern.seams import side_loops
+from garmentimage.raster.joints import Joints
 
 SEEN_FROM_SIDE = 0.6
 """Only panels with |R22| below this are ever split."""
@@ -72,26 +74,28 @@ class Cloth:
     numbers: Iterator[int] = field(default_factory=itertools.count)
 
     @classmethod
-    def of(cls, pattern: Pattern, lift: float) -> "Cloth":
-        """`pattern`, lifted by `lift` [cm]."""
+    def of(cls, pattern: Pattern, joints: Joints, lift: float) -> "Cloth":
+        """`pattern`, its edges joined at the open `joints`, lifted by `lift` [cm]."""
         cloth = cls()
-        edges: dict[tuple[str, int], int] = {}
+        edges: dict[Side, int] = {}
+        loops: dict[str, list[list[int]]] = {panel.name: [] for panel in pattern.panels}
+        for _, ring in side_loops(pattern):
+            loops[ring[0].panel].append([])
+            for part in _joined(ring, joints):
+                number = next(cloth.numbers)
+                loops[ring[0].panel][-1].append(number)
+                curves = [pattern.curve(side) for side in part]
+                lines = [c.sample(1 if c.is_straight else CHORDS) for c in curves]
+                cloth.curves[number] = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
+                edges.update(dict.fromkeys(part, number))
         for panel in pattern.panels:
-            loops: list[list[int]] = []
-            k = 0
-            for loop in panel.loops:
-                loops.append([])
-                for curve in loop.curves:
-                    number = next(cloth.numbers)
-                    loops[-1].append(number)
-                    cloth.curves[number] = curve.sample(1 if curve.is_straight else CHORDS)
-                    edges[panel.name, k] = number
-                    k += 1
             where = np.array(panel.translation) + np.array([0.0, lift, 0.0])
-            cloth.pieces.append(Piece(panel.name, panel.name, panel.matrix, where, loops))
+            piece = Piece(panel.name, panel.name, panel.matrix, where, loops[panel.name])
+            cloth.pieces.append(piece)
         for stitch in pattern.stitches:
-            a, b = (edges[side.panel, side.edge] for side in stitch.sides)
-            cloth.sew(a, b, crossed=not stitch.same_direction)
+            if stitch.a not in joints.stubs:
+                a, b = (edges[side] for side in stitch.sides)
+                cloth.sew(a, b, crossed=not stitch.same_direction)
         return cloth
 
     def sew(self, a: int, b: int, *, crossed: bool) -> None:
@@ -142,6 +146,18 @@ class Cloth:
         self.curves[edge], self.curves[second] = cut_polyline(self.curves[edge], share)
         loop.insert(loop.index(edge) + 1, second)
         return second
+
+
+def _joined(ring: Sequence[Side], joints: Joints) -> Iterator[list[Side]]:
+    """The edges of a loop in parts that are one edge each."""
+    turn = next((k for k, side in enumerate(ring) if side not in joints.open), 0)
+    part: list[Side] = []
+    for side in (*ring[turn:], *ring[:turn]):
+        if part and side not in joints.open:
+            yield part
+            part = []
+        part.append(side)
+    yield part
 
 
 def cut_polyline(
