@@ -29,6 +29,7 @@ from garmentimage.pattern.model import (
     polygon_of,
 )
 from garmentimage.raster.cells import CellMesh, cell_mesh, label_panels
+from garmentimage.raster.divisions import with_divisions
 from garmentimage.raster.image import GarmentImage, PanelMark
 from garmentimage.raster.naming import panel_names
 from garmentimage.raster.outlines import (
@@ -276,6 +277,12 @@ def _draw(
                 # Only joining can have brought polylines to cross: these parts do not fit.
                 part_of = [None if whole[i] == k else name for i, name in enumerate(part_of)]
             straight |= curved
+
+    divided = with_divisions(seams, boundary, image, clusters, marks)
+    if divided is not seams:
+        corners = [polygon_of(loop.curves) for loop in divided.loops]
+        if all(_is_outline([corners[i] for i in own]) for own in members.values()):
+            seams, polygons = divided, corners
 
     names = panel_names(image, clusters, marks, whole)
     panels = []

@@ -20,6 +20,7 @@ from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.compact import compact
 from garmentimage.raster.complex import SeamComplex, seam_complex
 from garmentimage.raster.deform import deform_quad_mesh
+from garmentimage.raster.divisions import divisions_on, shares_along
 from garmentimage.raster.drawing import (
     MOST_NEEDED,
     Drawing,
@@ -30,7 +31,7 @@ from garmentimage.raster.drawing import (
     with_links,
 )
 from garmentimage.raster.frame import BodyFrame
-from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
+from garmentimage.raster.image import Division, EdgeType, GarmentImage, PanelMark
 from garmentimage.raster.layout import Layout, layouts
 from garmentimage.raster.place import PlacedPanel, place
 from garmentimage.raster.polish import polish
@@ -218,7 +219,7 @@ def _image(
     for i, panel in enumerate(panels):
         mask = owner[panel.layer] == i
         _deform(complex_, i, paths, mask, edge_type[panel.layer], frame, deformation[panel.layer])
-        marks.append(_mark(pattern, panel, mask))
+        marks.append(_mark(pattern, panel, mask, _divisions(complex_, i, paths)))
     return GarmentImage(
         inside=owner >= 0,
         edge_type=edge_type,
@@ -325,10 +326,7 @@ def _boundary_vertices(
     path: Path, cloth_left: bool, number: np.ndarray, corner_ids: np.ndarray
 ) -> np.ndarray | None:
     """Mesh vertices [step, 2] at both ends of each step of a path, on its cloth side."""
-    step = path[1:] - path[:-1]
-    normal = np.stack([-step[:, 1], step[:, 0]], axis=1) * (1 if cloth_left else -1)
-    # Twice the middle of the step plus the normal is twice the cell's centre.
-    cell = (path[1:] + path[:-1] + normal - 1) // 2
+    cell = _cloth_cells(path, cloth_left)
     if (cell < 0).any() or (cell >= len(number)).any():
         return None
     index = number[cell[:, 1], cell[:, 0]]
@@ -342,7 +340,36 @@ def _boundary_vertices(
     return np.stack(ends, axis=1)
 
 
-def _mark(pattern: Pattern, panel: PlacedPanel, mask: np.ndarray) -> PanelMark:
+def _cloth_cells(path: Path, cloth_left: bool) -> np.ndarray:
+    """(column, row) of the cell on the cloth side of each step of a path."""
+    step = path[1:] - path[:-1]
+    normal = np.stack([-step[:, 1], step[:, 0]], axis=1) * (1 if cloth_left else -1)
+    # Twice the middle of the step plus the normal is twice the cell's centre.
+    return (path[1:] + path[:-1] + normal - 1) // 2
+
+
+def _divisions(complex_: SeamComplex, index: int, paths: list[Path]) -> tuple[Division, ...]:
+    """Vertices of a panel that lie inside its joined edges."""
+    panel = complex_.placed.panels[index]
+    joined = complex_.placed.joined.get(panel.source, ())
+    if not joined:
+        return ()
+    vertices = np.array(joined) @ panel.matrix.T + panel.offset
+    found = []
+    for loop_number, loop in enumerate(panel.loops):
+        outline = np.concatenate([panel.curves[k][:-1] for k in loop])
+        cloth_left = (signed_area(outline) > 0) == (loop_number == 0)
+        for k in loop:
+            shares = shares_along(panel.curves[k], vertices)
+            arc, back = complex_.owner[index, k]
+            path = paths[arc][::-1] if back else paths[arc]
+            found += divisions_on(path, _cloth_cells(path, cloth_left), shares)
+    return tuple(found)
+
+
+def _mark(
+    pattern: Pattern, panel: PlacedPanel, mask: np.ndarray, divisions: tuple[Division, ...]
+) -> PanelMark:
     """What decoding may know of the panel's name and own frame."""
     source = pattern.by_name[panel.source]
     middle = (centroid(panel.outline) - panel.offset) @ panel.matrix
@@ -359,4 +386,5 @@ def _mark(pattern: Pattern, panel: PlacedPanel, mask: np.ndarray) -> PanelMark:
         split_of=panel.source if panel.half else None,
         label=source.label,
         grain=source.grain,
+        divisions=divisions,
     )

@@ -44,6 +44,11 @@ CHANNEL_CONTRACT = "garmentimage-1"
 """What channels mean: their order and units, and the frame. Networks are made for one of these."""
 
 
+Division = tuple[int, int, int, tuple[float, ...]]
+"""(row, column) of a cell, its side (0 bottom, 1 right, 2 top, 3 left), and the shares of that grid
+edge, from its left or lower end, at which vertices lie inside an edge of the panel."""
+
+
 @dataclass(frozen=True)
 class PanelMark:
     """What the channels cannot say of a panel: its name and its own frame; no geometry."""
@@ -65,6 +70,8 @@ class PanelMark:
     label: str | None = None
     grain: Point | None = None
     """Unit direction of the warp in the panel's own frame."""
+    divisions: tuple[Division, ...] = ()
+    """Vertices of a traced outline, where the raster has one edge: decoding puts them back."""
 
 
 @dataclass(frozen=True)

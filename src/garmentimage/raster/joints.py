@@ -46,7 +46,7 @@ class Joints:
     stubs: frozenset[Side]
     """Edges that are a part of the edge beside them, whatever they are sewn to."""
     kept: tuple[Side, ...]
-    """Edges whose starts are vertices that decoding shall put back."""
+    """Edges of dense garments whose starts, inside a stretch, decoding shall put back."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,11 @@ def find_joints(pattern: Pattern) -> Joints:
     kept: list[Side] = []
     if any(_is_dense(pattern, stretch) for stretch in stretches):
         for stretch in stretches:
-            kept.extend(side for side in _smooth_joints(pattern, stretch) if side not in opened)
-    return Joints(frozenset(opened | set(kept)), short, tuple(kept))
+            for joint, is_smooth in _joints(pattern, stretch):
+                if joint not in opened:
+                    kept.append(joint)
+                    opened |= {joint} if is_smooth else set()
+    return Joints(frozenset(opened), short, tuple(kept))
 
 
 def _beside_stubs(pattern: Pattern, short: frozenset[Side]) -> set[Side]:
@@ -122,8 +125,8 @@ def _is_dense(pattern: Pattern, stretch: _Stretch) -> bool:
     return sum(pattern.curve(side).length for side in edges) < DENSE_CM * len(edges)
 
 
-def _smooth_joints(pattern: Pattern, stretch: _Stretch) -> Iterator[Side]:
-    """The joints of a stretch that are no corners, on all its sides."""
+def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
+    """The joints of a stretch on all its sides, and whether they are no corners on any."""
     if stretch.whole_loop:
         stretch = _begun_lowest(pattern, stretch)
     count = len(stretch.sides[0])
@@ -138,10 +141,9 @@ def _smooth_joints(pattern: Pattern, stretch: _Stretch) -> Iterator[Side]:
     if len(walks) == 2:
         ends |= _uneven([walk.lengths for walk in walks], sorted(ends))
     for k in range(1, count):
-        if k not in ends:
-            for walk, sides in zip(walks, stretch.sides):
-                # Walked against its loop, a joint lies where the edge before it starts.
-                yield sides[k - 1] if walk.against else sides[k]
+        for walk, sides in zip(walks, stretch.sides):
+            # Walked against its loop, a joint lies where the edge before it starts.
+            yield (sides[k - 1] if walk.against else sides[k]), k not in ends
 
 
 def _begun_lowest(pattern: Pattern, stretch: _Stretch) -> _Stretch:

@@ -9,15 +9,18 @@ from typing import Any
 import numpy as np
 
 from garmentimage.errors import ImageError
-from garmentimage.raster.image import PanelMark
+from garmentimage.raster.image import Division, PanelMark
 
 NAME_LIMIT = 1000
 """Longest name of a layer or panel."""
 
 
 def mark_to_json(mark: PanelMark) -> dict[str, Any]:
-    """The mark as plain JSON values."""
-    return asdict(mark)
+    """The mark as plain JSON values; without divisions it is what earlier releases wrote."""
+    values = asdict(mark)
+    if not mark.divisions:
+        del values["divisions"]
+    return values
 
 
 def read_text(value: Any) -> str:
@@ -71,6 +74,22 @@ def _matrix(value: Any) -> tuple[tuple[float, ...], ...]:
     return rows
 
 
+def _divisions(value: Any) -> tuple[Division, ...]:
+    if not isinstance(value, list):
+        raise ImageError("divisions are a list")
+    return tuple(_division(one) for one in value)
+
+
+def _division(value: Any) -> Division:
+    if not isinstance(value, list) or len(value) != 4 or not isinstance(value[3], list):
+        raise ImageError("a division is a row, a column, a side and a list of shares")
+    row, col, side = (_whole(v) for v in value[:3])
+    shares = _numbers(len(value[3]))(value[3])
+    if side > 3 or any(not 0 <= share <= 1 for share in shares) or list(shares) != sorted(shares):
+        raise ImageError("a division's side is 0 to 3, its shares increase from 0 to 1")
+    return row, col, side, shares
+
+
 _MARK_FIELDS: dict[str, Callable[[Any], Any]] = {
     "name": read_text,
     "layer": _whole,
@@ -82,6 +101,7 @@ _MARK_FIELDS: dict[str, Callable[[Any], Any]] = {
     "split_of": _optional(read_text),
     "label": _optional(read_text),
     "grain": _optional(_numbers(2)),
+    "divisions": _divisions,
 }
 
 

@@ -18,6 +18,8 @@ class CutLoop:
     curves: list[Curve]
     runs: list[int]
     """For each edge the half-edge at which its run starts."""
+    halves: list[list[int]]
+    """The half-edges that each edge stands for."""
 
 
 @dataclass(frozen=True)
@@ -55,17 +57,21 @@ def cut_into_edges(boundary: Boundary, loops: Sequence[Sequence[int]], straight:
         facing = np.concatenate([boundary.head[other], boundary.tail[other[-1:]]])
         both = cut_run((points, facing), chords=k in straight or partner in straight)
         parts[k] = both
-        parts[partner] = [Part(p.first, p.last, (p.curves[1].reversed(),)) for p in reversed(both)]
+        last = len(run)
+        parts[partner] = [
+            Part(last - p.last, last - p.first, (p.curves[1].reversed(),)) for p in reversed(both)
+        ]
         sewn_to[k] = partner
 
     place: dict[int, tuple[int, int]] = {}
     cut: list[CutLoop] = []
     for index, starts in enumerate(order):
-        cut.append(CutLoop([], []))
+        cut.append(CutLoop([], [], []))
         for k in starts:
             place[k] = (index, len(cut[-1].curves))
             cut[-1].curves.extend(p.curves[0] for p in parts[k])
             cut[-1].runs.extend([k] * len(parts[k]))
+            cut[-1].halves.extend(runs[k][p.first : p.last] for p in parts[k])
     stitches = []
     for k, partner in sewn_to.items():
         (loop_a, a), (loop_b, b) = place[k], place[partner]
