@@ -80,9 +80,9 @@ def with_divisions(
         clusters: its panels and parts of panels, in the order in which `trace_boundary` had them.
         marks: the mark of each.
     """
-    along = _along_half_edges(image, clusters, marks)
-    if not along:
+    if not any(mark is not None and mark.divisions for mark in marks):
         return seams
+    along = _along_half_edges(image, clusters, marks)
     lengths = np.hypot(*(boundary.head - boundary.tail).T)
     cuts = [_cuts(loop, along, lengths) for loop in seams.loops]
     for (i, a), (j, b) in seams.stitches:

@@ -62,9 +62,9 @@ def find_joints(pattern: Pattern) -> Joints:
     """The joints of a pattern that need no vertex of the raster: most patterns have none."""
     short = stubs(pattern)
     opened = _beside_stubs(pattern, short) if short else set()
-    stretches = list(_stretches(pattern, short))
     kept: list[Side] = []
-    if any(_is_dense(pattern, stretch) for stretch in stretches):
+    stretches = list(_stretches(pattern, short)) if _may_be_dense(pattern) else []
+    if any(_is_dense(pattern, stretch.sides[0]) for stretch in stretches):
         for stretch in stretches:
             for joint, is_smooth in _joints(pattern, stretch):
                 if joint not in opened:
@@ -118,11 +118,19 @@ def _stretches(pattern: Pattern, short: frozenset[Side]) -> Iterator[_Stretch]:
             yield _Stretch((run.sides, facing), whole_loop=whole)
 
 
-def _is_dense(pattern: Pattern, stretch: _Stretch) -> bool:
-    edges = stretch.sides[0]
-    if len(edges) < DENSE_EDGES:
-        return False
-    return sum(pattern.curve(side).length for side in edges) < DENSE_CM * len(edges)
+def _may_be_dense(pattern: Pattern) -> bool:
+    """Whether a loop has short edges enough; of most patterns that is all one needs to know."""
+    for _, ring in side_loops(pattern):
+        if len(ring) >= DENSE_EDGES:
+            shortest = sorted(ring, key=lambda side: pattern.curve(side).length)[:DENSE_EDGES]
+            if _is_dense(pattern, shortest):
+                return True
+    return False
+
+
+def _is_dense(pattern: Pattern, edges: Sequence[Side]) -> bool:
+    length = sum(pattern.curve(side).length for side in edges)
+    return len(edges) >= DENSE_EDGES and length < DENSE_CM * len(edges)
 
 
 def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
@@ -137,10 +145,13 @@ def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
         corners |= walk.corners(parts)
     ends = {0, count, *(parts[k + 1] for k in np.flatnonzero(corners))}
     if stretch.whole_loop and len(ends) == 2 and count > 1:
-        ends.add(int(np.argmax(np.hypot(*(walks[0].starts - walks[0].starts[0]).T))))
+        # Every loop keeps two vertices.
+        reached = np.cumsum(walks[0].lengths)[:-1]
+        ends.add(1 + int(np.argmin(np.abs(reached - walks[0].lengths.sum() / 2))))
     if len(walks) == 2:
         ends |= _uneven([walk.lengths for walk in walks], sorted(ends))
-    for k in range(1, count):
+    first = 0 if _is_closed(pattern, stretch) else 1
+    for k in range(first, count):
         for walk, sides in zip(walks, stretch.sides):
             # Walked against its loop, a joint lies where the edge before it starts.
             yield (sides[k - 1] if walk.against else sides[k]), k not in ends
@@ -148,12 +159,16 @@ def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
 
 def _begun_lowest(pattern: Pattern, stretch: _Stretch) -> _Stretch:
     """A stretch that is closed begun at its lowest vertex: where its loop begins cannot matter."""
-    first, last = (pattern.curve(stretch.sides[0][k]) for k in (0, -1))
-    if first.start != last.end:
+    if not _is_closed(pattern, stretch):
         return stretch
     starts = [pattern.curve(side).start[::-1] for side in stretch.sides[0]]
     turn = starts.index(min(starts))
     return _Stretch(tuple(s[turn:] + s[:turn] for s in stretch.sides), whole_loop=True)
+
+
+def _is_closed(pattern: Pattern, stretch: _Stretch) -> bool:
+    first, last = (pattern.curve(stretch.sides[0][k]) for k in (0, -1))
+    return stretch.whole_loop and first.start == last.end
 
 
 @dataclass(frozen=True)
@@ -187,7 +202,7 @@ class _Walk:
 
     def corners(self, parts: Sequence[int]) -> Bool[np.ndarray, " joint"]:
         """Which of the joints between parts are corners."""
-        first, last = np.array(parts), np.append(parts[1:], len(self.lengths)) - 1
+        first, last = np.array(parts), np.array([*parts[1:], len(self.lengths)]) - 1
         single = (first == last)[:, None]
         chord = self.ends[last] - self.starts[first]
         leave = np.where(single, self.leave[first], chord)[1:]
