@@ -63,7 +63,7 @@ from garmentimage.text_commands import edit_arguments, run_edit
 
 if TYPE_CHECKING:
     from garmentimage.metrics.roundtrip import FileReport
-    from garmentimage.pattern.check import Finding
+    from garmentimage.pattern.finding import Finding
     from garmentimage.pattern.model import Pattern
     from garmentimage.raster.image import GarmentImage
 
@@ -119,7 +119,9 @@ def _check(options: argparse.Namespace) -> Exit:
             rows.append({"file": str(path), "ok": False, **error_facts(error)})
             say(f"error: {one_line(error)}")
             continue
-        rows.append({"file": str(path), "ok": True, **row, "warnings": [str(f) for f in found]})
+        codes = [f.code for f in found if f.code]
+        warnings = [str(f) for f in found]
+        rows.append({"file": str(path), "ok": True, **row, "warnings": warnings, "codes": codes})
         warn(path, found)
         if not options.json:
             print(f"{shown_path(path)}: ok, {list_facts(row)}")

@@ -13,7 +13,7 @@ from garmentimage.errors import EncodeError, GarmentImageError, quoted
 from garmentimage.files import shown_path
 
 if TYPE_CHECKING:
-    from garmentimage.pattern.check import Finding
+    from garmentimage.pattern.finding import Finding
 
 
 class Exit(IntEnum):

@@ -6,6 +6,7 @@ from dataclasses import replace
 from garmentimage.body.body import Body
 from garmentimage.body.stance import wearer
 from garmentimage.drape.stand import standing
+from garmentimage.drape.wear import check_placed
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
 
 
@@ -24,11 +25,13 @@ def outfit(
 
     Raises:
         DraftError: `made_for` is no stature.
+        DrapeError: nobody can say where on a body one of them belongs.
     """
     body = wearer(body)
     panels: list[Panel] = []
     stitches: list[Stitch] = []
     for pattern in patterns:
+        check_placed(pattern)
         placed, _ = standing(pattern, body, made_for=made_for)
         taken = {panel.name for panel in panels}
         names: dict[str, str] = {}

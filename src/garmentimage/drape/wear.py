@@ -19,6 +19,7 @@ from garmentimage.drape.tuck import tucked_in
 from garmentimage.drape.worn import Worn
 from garmentimage.errors import DrapeError, check_type
 from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.placement_check import unknown_place
 
 BELT_STIFFNESS = 1e5
 """With which a belt keeps each vertex at its height [dyn/cm]."""
@@ -54,7 +55,8 @@ def drape(
         wrong is returned too.
 
     Raises:
-        DrapeError: a pattern that has no stitches or that cannot be cut into triangles.
+        DrapeError: a pattern that has no stitches, that has no place or is in other units
+            (`placement_findings`), or that cannot be cut into triangles.
         DraftError: there is no body of that name, or `made_for` is no stature.
         TypeError: an argument is of another type.
     """
@@ -65,6 +67,7 @@ def drape(
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
     _check_sewn(pattern)
+    check_placed(pattern)
     placed, _ = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     rest = rest_of(cloth)
@@ -121,6 +124,18 @@ def _check_sewn(pattern: Pattern) -> None:
             f"{pattern.name or 'the pattern'} has no stitches, so nothing holds it on a body; "
             "sew its panels first"
         )
+
+
+def check_placed(pattern: Pattern) -> None:
+    """Refuse a pattern of which nobody can say where on a body it belongs.
+
+    Raises:
+        DrapeError: says what its places or its units look like, and the remedy.
+    """
+    finding = unknown_place(pattern)
+    if finding:
+        name = pattern.name or "the pattern"
+        raise DrapeError(f"{name} cannot be put on a body: {finding}")
 
 
 def _belt(item: Item, start: np.ndarray) -> Attachment | None:

@@ -6,14 +6,14 @@ and that does not stop the work.
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from math import hypot, isfinite, sqrt
+from math import hypot, isfinite
 
 import numpy as np
 from jaxtyping import Float
 
 from garmentimage.errors import PatternError, StitchError, quoted
 from garmentimage.geometry.polygons import polyline_length
+from garmentimage.pattern.finding import Finding, some
 from garmentimage.pattern.model import (
     Circle,
     Cubic,
@@ -27,6 +27,7 @@ from garmentimage.pattern.model import (
     Stitch,
     chord_count,
 )
+from garmentimage.pattern.placement_check import placement_findings
 
 NAME_LIMIT = 200
 """Characters of a panel's name."""
@@ -54,33 +55,14 @@ ARC_TOL = 1e-12
 
 FAR_AWAY = 1e5
 """Panel coordinates beyond this lose precision for nothing [cm]."""
-SMALL_GARMENT = 10.0
-"""A garment whose largest panel is smaller than this is likely in other units [cm]."""
-LARGE_GARMENT = 2_000.0
-"""A garment whose largest panel is larger than this is likely in other units [cm]."""
 MANY_EDGES = 1_000
 """More edges than this in one panel are likely a traced outline."""
 GATHER_RATIO = 3.5
 """Sides of a stitch more unequal than this are likely a mistake; real gathers reach 3 and a bit."""
 GATHER_SLACK = 1.0
 """A difference in length that is never worth a word [cm]."""
-SAME_PLACE = 0.1
-"""Panels nearer than this to each other, all of them, have not been placed [cm]."""
-PANELS_NAMED = 3
-"""Names that a finding about many panels gives."""
 SEGMENT_BLOCK = 512
 """Segments that are tested against all others at a time; bounds the memory of a scribble."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A fact about one place of a pattern that its maker should know."""
-
-    place: str
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.place}: {self.message}"
 
 
 def check_pattern(
@@ -104,10 +86,9 @@ def check_pattern(
     found: list[Finding] = []
     for panel in pattern.panels:
         found.extend(_check_shape(panel))
-    found.extend(_check_size(pattern))
     found.extend(_check_lengths(pattern, numbers))
     found.extend(_check_assembly(pattern))
-    found.extend(_check_placement(pattern))
+    found.extend(placement_findings(pattern))
     return tuple(found)
 
 
@@ -394,18 +375,6 @@ def _offsets(rings: list[np.ndarray]) -> list[int]:
     return [0, *np.cumsum([len(r) for r in rings])[:-1].tolist()]
 
 
-def _check_size(pattern: Pattern) -> list[Finding]:
-    size = max(float(np.ptp(p.outline.polygon, axis=0).max()) for p in pattern.panels)
-    if SMALL_GARMENT <= size <= LARGE_GARMENT:
-        return []
-    return [
-        Finding(
-            "whole garment",
-            f"its largest panel is {size:.3g} cm in size; check properties.units_in_meter",
-        )
-    ]
-
-
 def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
     found = []
     for number, stitch in zip(numbers, pattern.stitches):
@@ -434,14 +403,14 @@ def _check_assembly(pattern: Pattern) -> list[Finding]:
     found = []
     if loose:
         found.append(
-            Finding("pattern.stitches", f"{_some(loose)} {_are(loose)} sewn to no other panel")
+            Finding("pattern.stitches", f"{some(loose)} {_are(loose)} sewn to no other panel")
         )
     sewn = [piece[0] for piece in pieces if len(piece) > 1]
     if len(sewn) > 1:
         found.append(
             Finding(
                 "pattern.stitches",
-                f"{len(sewn)} garments that no stitch joins; they begin with {_some(sewn)}",
+                f"{len(sewn)} garments that no stitch joins; they begin with {some(sewn)}",
             )
         )
     return found
@@ -468,48 +437,5 @@ def components(pattern: Pattern) -> list[list[str]]:
     return pieces
 
 
-def _some(names: Sequence[str]) -> str:
-    shown = ", ".join(quoted(name) for name in names[:PANELS_NAMED])
-    more = len(names) - PANELS_NAMED
-    return f"{shown} and {more} more" if more > 0 else shown
-
-
 def _are(names: Sequence[str]) -> str:
     return "is" if len(names) == 1 else "are"
-
-
-def _check_placement(pattern: Pattern) -> list[Finding]:
-    """Panels that do not stand around a body, right side out."""
-    if len(pattern.panels) < 2:
-        return []
-    if not is_placed(pattern):
-        return [
-            Finding("placement", "all panels are at the same place; place them around the body")
-        ]
-    inside_out = [p.name for p in pattern.panels if _outwardness(p) < 0]
-    if not inside_out:
-        return []
-    return [
-        Finding(
-            f"panel {_some(inside_out)}",
-            "its edges run clockwise seen from outside the body, so its wrong side faces out and "
-            "its seams twist; reverse the loop unless this is meant",
-        )
-    ]
-
-
-def is_placed(pattern: Pattern) -> bool:
-    """Whether the panels have places of their own round the body."""
-    first = pattern.panels[0]
-    return any(
-        p.rotation != first.rotation
-        or sqrt(sum((a - b) ** 2 for a, b in zip(p.translation, first.translation))) > SAME_PLACE
-        for p in pattern.panels
-    )
-
-
-def _outwardness(panel: Panel) -> float:
-    """Cosine-like: positive where the counter-clockwise normal points away from the body's axis."""
-    centre = panel.to_world(panel.outline.polygon.mean(axis=0)[None])[0]
-    normal = panel.matrix[:, 2] * np.sign(panel.outline.area)
-    return float(normal[0] * centre[0] + normal[2] * centre[2])

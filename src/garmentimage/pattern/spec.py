@@ -27,7 +27,7 @@ from typing import Any
 
 from garmentimage.errors import PatternError, PatternFileError, PatternWarning, check_type
 from garmentimage.files import shown_path, write_atomically
-from garmentimage.pattern.check import Finding
+from garmentimage.pattern.finding import Finding
 from garmentimage.pattern.jsonfile import (
     LongInteger,
     capped_integer,

@@ -15,12 +15,12 @@ from garmentimage.pattern.check import (
     PANEL_LIMIT,
     SHORTEST_EDGE,
     STITCH_LIMIT,
-    Finding,
     check_name,
     check_pattern,
     edge_place,
     panel_place,
 )
+from garmentimage.pattern.finding import Finding
 from garmentimage.pattern.model import (
     Circle,
     Cubic,
@@ -64,6 +64,8 @@ ROUNDING_SHORTFALL = 1e-3
 ROTATION_TOL = 1e-4
 """How far a rotation matrix may be from orthonormal."""
 
+STRAIGHT_NAMES = ("line", "linear", "straight")
+"""What other tools call the curvature of an edge that has none."""
 PARAMETER_COUNTS = {"quadratic": 1, "cubic": 2, "circle": 3}
 PANEL_FIELDS = ("translation", "rotation", "vertices", "edges")
 KNOWN_PROPERTIES = ("curvature_coords", "normalize_panel_translation", "units_in_meter")
@@ -113,7 +115,8 @@ class _Reader:
         ours = self.ours(top)
         properties = self.properties(top)
         units = _units(properties)
-        panel_data = as_object(member(body, "panels", "pattern"), "pattern.panels")
+        panel_data = self.filled(as_object(member(body, "panels", "pattern"), "pattern.panels"))
+        body = {**body, "panels": panel_data}
         if not panel_data:
             raise PatternError("pattern.panels: is empty; a pattern needs at least one panel")
         if len(panel_data) > PANEL_LIMIT:
@@ -138,6 +141,16 @@ class _Reader:
         )
         self.found.extend(check_pattern(pattern, stitch_numbers=numbers))
         return pattern, _limited(self.found)
+
+    def filled(self, panels: Mapping[str, Any]) -> dict[str, Any]:
+        """The panels without empty slots, as networks of a fixed number of panels write them."""
+        filled = {}
+        for name, panel in panels.items():
+            if isinstance(panel, dict) and panel.get("vertices") == [] == panel.get("edges"):
+                self.note(panel_place(name), "has neither vertices nor edges and was left out")
+            else:
+                filled[name] = panel
+        return filled
 
     def properties(self, top: Mapping[str, Any]) -> Mapping[str, Any]:
         if "properties" not in top:
@@ -236,6 +249,11 @@ class _Reader:
             and any(isinstance(row, list) for row in value)
         ):
             return _angles_of_matrix(value, where)
+        if what == "rotation" and isinstance(value, list) and len(value) == 4:
+            raise PatternError(
+                f"{where}: four numbers, as of a quaternion; give three angles in degrees about "
+                "the fixed axes x, y, z, or a 3 x 3 matrix"
+            )
         x, y, z = as_numbers(value, 3, where)
         return x, y, z
 
@@ -315,6 +333,8 @@ class _Reader:
             return Quadratic(control(data))
         given = as_object(data, f"{where}, curvature")
         kind = given.get("type")
+        if kind in STRAIGHT_NAMES:
+            return None
         params = as_list(given.get("params"), f"{where}, curvature params")
         wanted = PARAMETER_COUNTS.get(kind) if isinstance(kind, str) else None
         if wanted is None:
