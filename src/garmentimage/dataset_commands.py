@@ -56,7 +56,6 @@ def run_build(options: argparse.Namespace) -> Exit:
         raise DatasetError(f"there is no preset {preset!r}; choose {' or '.join(chosen.presets)}")
     _check_range("--workers", options.workers, 1, 1000)
     _check_range("--seed", options.seed, 0, 2**62)
-    _check_range("--grid", options.grid, 4, 256)
     _need_extra()
     from tqdm import tqdm
 

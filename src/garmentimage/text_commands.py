@@ -150,7 +150,13 @@ def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
         return stable_guidance(options.model, seed=options.seed, **told)
     guidance, (near, phrase) = denoiser_guidance(options.model, text, seed=options.seed, **told)
     from garmentimage.text.contrast import FAMILIAR
+    from garmentimage.text.vocabulary import named, words_of
 
+    if unknown := words_of(text).unknown:
+        say(
+            f"warning: the networks do not know {named(unknown)}; what the text {quoted(text)} "
+            "says of that is left out or misunderstood"
+        )
     if near < FAMILIAR:
         say(
             f"warning: the text {quoted(text)} is far from all that the network was told of "

@@ -316,7 +316,8 @@ def test_work_that_kills_its_workers_ends_in_a_sentence():
         (("d2", "-o", "x", "--preset", "huge"), "no preset 'huge'; choose paper or laptop"),
         (("d2", "-o", "x", "--count", "0"), "0 rows a type"),
         (("d2", "-o", "x", "--workers", "0"), "--workers is 0"),
-        (("d2", "-o", "x", "--grid", "3"), "--grid is 3"),
+        (("d2", "-o", "x", "--grid", "6"), "grid is 6; give an even number from 8 to 128"),
+        (("d2", "-o", "x", "--grid", "15"), "grid is 15; give an even number"),
     ],
 )
 def test_a_wrong_build_is_one_sentence(capsys, tmp_path, monkeypatch, words, sentence):
@@ -324,6 +325,23 @@ def test_a_wrong_build_is_one_sentence(capsys, tmp_path, monkeypatch, words, sen
     assert main(["build", *words]) == 2
     assert sentence in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def fails(task):
+    return Failed(task.row_id, "encode", "the pattern has no layout; try another")
+
+
+@pytest.mark.slow
+def test_a_build_without_any_row_ends_with_the_cause(tmp_path, monkeypatch):
+    def all_failed(do, pieces, scheduler, workers):
+        for piece in pieces:
+            failed = [fails(task) for task in piece.tasks]
+            yield piece, shard_bytes(SMALL, 16, [], failed, piece.identity())
+
+    monkeypatch.setattr("garmentimage.dataset.build.results", all_failed)
+    with pytest.raises(DatasetError, match="no row could be made; 6 failed because of encode: the"):
+        build(small(tmp_path / "set", count=3))
+    assert not (tmp_path / "set" / "summary.json").exists()
 
 
 def test_the_command_lists_recipes_and_describes_datasets(capsys, tmp_path):

@@ -80,19 +80,22 @@ def test_stable_diffusion_drives_the_same_command(trained, dress, tiny, tmp_path
     assert json.loads(capsys.readouterr().out)["out"] == str(tmp_path / "out")
 
 
-def test_a_text_that_is_about_something_else_is_told_so(trained, dress, tmp_path, capsys):
-    words = [
-        "-o",
-        tmp_path / "out",
-        "--steps",
-        1,
-        "--model",
-        trained / "denoiser" / "model",
-    ]
-    assert edit(trained, dress, "quarterly tax report", *words) == 0
-    assert "is far from all that the network was told of" in capsys.readouterr().err
-    assert edit(trained, dress, "ein langes Kleid", *words) == 0
-    assert edit(trained, dress, "長袖", *words) == 0
+@pytest.mark.parametrize(
+    "text", ["quarterly tax report", "with pockets", "a hood", "add buttons", "ein Kleid", "長袖"]
+)
+def test_what_the_networks_do_not_know_is_not_made_something_else(
+    text, trained, dress, tmp_path, capsys
+):
+    words = ["-o", tmp_path / "out", "--model", trained / "denoiser" / "model"]
+    assert edit(trained, dress, text, *words) == 2
+    assert "the networks do not know" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_is_known_is_done_and_what_is_not_is_said(trained, dress, tmp_path, capsys):
+    words = ["-o", tmp_path / "out", "--steps", 1, "--model", trained / "denoiser" / "model"]
+    assert edit(trained, dress, "pants with pockets", *words) == 0
+    assert "the networks do not know 'pockets'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ from garmentimage.dataset.row import SCHEMA, Failed, Task, make_row
 from garmentimage.dataset.shard import schema, shard_bytes, shard_facts
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.files import shown_path, write_atomically
+from garmentimage.raster.encode import GRIDS
 
 SHARD_ROWS = 100
 PLAN_FILE, SUMMARY_FILE, CARD_FILE = "build.json", "summary.json", "README.md"
@@ -110,6 +111,9 @@ def plan(build: Build) -> tuple[Shard, ...]:
     Raises:
         DatasetError: a number that will not do.
     """
+    low, high = GRIDS
+    if not low <= build.grid <= high or build.grid % 2:
+        raise DatasetError(f"grid is {build.grid}; give an even number from {low} to {high}")
     types = build.recipe.types
     for count in (build.count, build.rows_of("unseen")):
         if not 1 <= count <= MOST_ROWS // len(types):
@@ -168,7 +172,8 @@ def build(
         The summary that is also written to `summary.json`.
 
     Raises:
-        DatasetError: the folder holds another dataset, or a scheduler that does not answer.
+        DatasetError: the folder holds another dataset, a scheduler that does not answer, a number
+            that cannot work, or settings with which no row can be made.
         OutputError: a file that cannot be written; what was finished stays.
     """
     shards = plan(what)
@@ -187,6 +192,12 @@ def build(
         done[shard.name] = _told(shard, raw)
         progress(done[shard.name], True)
     summary = _summary(what, [done[shard.name] for shard in shards])
+    if not summary["rows"]:
+        cause, number = next(iter(summary["failed"].items()))
+        raise DatasetError(
+            f"{shown_path(what.folder)}: no row could be made; {number} failed because of {cause}; "
+            "build it with other settings in another folder"
+        )
     _write_anew(what.folder / SUMMARY_FILE, _text(summary), missing)
     _write_anew(what.folder / CARD_FILE, card(what.recipe, summary, command), missing)
     return summary

@@ -30,6 +30,7 @@ from garmentimage.text.contrast import contrast, nearest_phrase
 from garmentimage.text.guidance import Guidance, ScoreDistillation, descent
 from garmentimage.text.stay import staying
 from garmentimage.text.tries import MOST_TRIES, best_try
+from garmentimage.text.vocabulary import check_known
 
 SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
 """Networks that come with the package."""
@@ -243,8 +244,10 @@ def denoiser_guidance(
         strange), and the phrase that is nearest.
 
     Raises:
-        LearnError: there is none of that name, and no such folder.
+        LearnError: there is none of that name, and no such folder; or the text has no word that
+            the networks were told of garments.
     """
+    check_known(text)
     from garmentimage.text.small import NOISES, SCALE, SCHEDULE, SmallDiffusion
 
     folder = network_folder(DENOISER if name is None else name, denoiser_names(), "denoiser")
