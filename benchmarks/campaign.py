@@ -1,0 +1,252 @@
+"""Mutated patterns through check, encode, decode and drape: does anything crash, hang or lie?
+
+    python benchmarks/campaign.py FOLDER... --records DIR [--count 20000] [--seed 0] [--workers 2]
+                                  [--no-drape | --drape-every 5] [-o OUT.json]
+
+Number k of a seed is one garment, a file of the folders or (one in five) a drafted one, mutated in
+one way (`mutations.py`). Each goes through every step in a process of its own, with a limit of
+time and of memory. Judged are the stitch graph of what comes back from the raster, against the
+mutated pattern, or against the whole one where the mutation leaves it the same garment; and where
+the cloth lies, against the whole garment on the same body.
+
+What is measured is kept in the folder of the records, so that a run that was stopped goes on.
+"""
+
+import argparse
+import copy
+import json
+import resource
+import sys
+import tempfile
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mutations import MUTATIONS, Expected
+from provenance import data_hash, provenance
+
+from garmentimage.compare.judge import judge
+from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.sample import sample
+from garmentimage.drape.wear import drape
+from garmentimage.errors import GarmentImageError
+from garmentimage.evaluate.records import Records
+from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.spec import read_pattern
+from garmentimage.pattern.spec_writer import pattern_to_spec
+from garmentimage.raster.decode import decode
+from garmentimage.raster.encode import encode
+
+DRAFTED = 5
+"""One in so many garments is drafted here, the others are of the folders."""
+TIME_LIMIT_S = 10.0
+"""For each step."""
+ITEM_LIMIT_S = {"encode": 40.0, "drape": 60.0}
+"""After which a process that answers nothing is ended; the first item of each has more."""
+MEMORY_LIMIT = 3 << 30
+"""Of data of a process [bytes]."""
+MARGIN = 30.0
+"""Cloth may not reach further over the crown of the head than this [cm]."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One mutated garment, and how far it goes."""
+
+    name: str
+    """`encode`: through check, encode and decode; `drape`: through check and drape."""
+    number: int
+    seed: int
+    files: tuple[Path, ...]
+
+
+def mutated(item: Item) -> tuple[str, str, dict[str, Any], dict[str, Any], Expected]:
+    """The mutation, the source, the specification before and after it, and what is expected."""
+    rng = np.random.default_rng([item.seed, item.number])
+    whole, source = _whole(item, rng)
+    names = list(MUTATIONS)
+    name = names[item.number % len(names)]
+    spec = copy.deepcopy(whole)
+    expected = MUTATIONS[name](spec, rng)
+    return name, source, whole, spec, expected
+
+
+def _whole(item: Item, rng: np.random.Generator) -> tuple[dict[str, Any], str]:
+    """A garment before its mutation, without what only our own files hold."""
+    while True:
+        if not item.files or rng.integers(DRAFTED) == 0:
+            kinds = list(KINDS)
+            kind = kinds[int(rng.integers(len(kinds)))]
+            index = int(rng.integers(10_000))
+            pattern = next(sample(kind, 1, item.seed, first=index)).pattern
+            source = f"{kind} {index}"
+        else:
+            path = item.files[int(rng.integers(len(item.files)))]
+            source = "/".join(path.parts[-2:])
+            try:
+                pattern = read_pattern(path)[0]
+            except GarmentImageError:
+                continue
+        spec = pattern_to_spec(pattern)
+        spec.pop("garmentimage", None)
+        return spec, source
+
+
+def measured(item: Item) -> dict[str, Any]:
+    """What comes of one garment."""
+    resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_LIMIT, MEMORY_LIMIT))
+    mutation, source, whole, spec, expected = mutated(item)
+    told: dict[str, Any] = {"mutation": mutation, "source": source, "what": expected.what}
+    clock = time.perf_counter()
+    try:
+        pattern = _read(spec)
+        told |= (_encoded if item.name == "encode" else _draped)(_read(whole), pattern, expected)
+    except GarmentImageError as error:
+        told |= {"outcome": type(error).__name__, "why": str(error)[:300]}
+    except Exception as error:
+        told |= {"outcome": "CRASH", "why": f"{type(error).__name__}: {error}"[:300]}
+    told["seconds"] = round(time.perf_counter() - clock, 2)
+    return told
+
+
+def _read(spec: dict[str, Any]) -> Pattern:
+    """As from a file by others."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "pattern.json")
+        path.write_text(json.dumps(spec), encoding="utf-8")
+        return read_pattern(path)[0]
+
+
+def _encoded(whole: Pattern, pattern: Pattern, expected: Expected) -> dict[str, Any]:
+    began = time.perf_counter()
+    image = encode(pattern)
+    found = decode(image)
+    late = {"slow": True} if time.perf_counter() - began > TIME_LIMIT_S else {}
+    result = judge(pattern, found)
+    if not result.success and expected.same:
+        result = judge(whole, found)
+    if result.success:
+        return {"outcome": "same", **late}
+    return {"outcome": "WRONG", "why": "; ".join(result.reasons)[:300], **late}
+
+
+def _draped(whole: Pattern, pattern: Pattern, expected: Expected) -> dict[str, Any]:
+    began = time.perf_counter()
+    worn = drape(pattern)
+    late = {"slow": True} if time.perf_counter() - began > TIME_LIMIT_S else {}
+    if worn.report.faults:
+        return {"outcome": "fault", "why": "; ".join(worn.report.faults)[:300], **late}
+    crown = float(worn.body.vertices[:, 1].max())
+    top = float(worn.points[:, 1].max())
+    if not expected.worn:
+        return {"outcome": "WRONG", "why": "worn, although nobody can say where", **late}
+    if top > crown + MARGIN or float(worn.points[:, 1].min()) < -1:
+        return {"outcome": "WRONG", "why": f"its top is {top:.0f} cm high", **late}
+    if expected.near is None:
+        return {"outcome": "well, not compared", **late}
+    try:
+        best = drape(whole)
+    except GarmentImageError:
+        return {"outcome": "well, not compared", **late}
+    if best.report.faults:
+        return {"outcome": "well, not compared", **late}
+    apart = float(np.linalg.norm(worn.points.mean(axis=0) - best.points.mean(axis=0)))
+    higher = abs(top - float(best.points[:, 1].max()))
+    if max(apart, higher) > expected.near:
+        why = f"lies {apart:.1f} cm from where the whole garment lies, its top {higher:.1f} cm"
+        return {"outcome": "WRONG", "why": why, **late}
+    return {"outcome": "well", **late}
+
+
+def items(name: str, args: argparse.Namespace, files: tuple[Path, ...]) -> Iterator[Item]:
+    every = args.drape_every if name == "drape" else 1
+    for number in range(args.first, args.count):
+        if number // len(MUTATIONS) % every == 0:
+            yield Item(name, number, args.seed, files)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folders", nargs="*", type=Path)
+    parser.add_argument("--records", type=Path, required=True, help="folder; gone on with")
+    parser.add_argument("--count", type=int, default=20_000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--no-drape", action="store_true")
+    parser.add_argument("--drape-every", type=int, default=1, metavar="K")
+    parser.add_argument("-o", "--out", type=Path)
+    args = parser.parse_args()
+    files = tuple(
+        path for folder in args.folders for path in sorted(folder.rglob("*.json"))
+        if not path.name.endswith("manifest.json")
+    )  # fmt: skip
+    facts = provenance(args.folders)
+    # The number of garments is left out, so that a run can be made longer.
+    amounts = {"seed": args.seed, "commit": facts["commit"], "data": data_hash(args.folders)}
+    records = Records(args.records, amounts, {})
+    counts: dict[str, dict[str, Counter]] = {}
+    bad: list[dict[str, Any]] = []
+    for name in ("encode",) if args.no_drape else ("encode", "drape"):
+        found = records.gather(
+            list(items(name, args, files)),
+            measured,
+            workers=args.workers,
+            time_limit=ITEM_LIMIT_S[name],
+            progress=_progress(name),
+        )
+        counts[name] = _counted(found, bad)
+    result = {
+        **facts,
+        "seed": args.seed,
+        "count": args.count,
+        "files": len(files),
+        **{name: {m: dict(c) for m, c in by.items()} for name, by in counts.items()},
+        "bad": bad,
+    }
+    for name, by in counts.items():
+        print(name)
+        for mutation, outcomes in sorted(by.items()):
+            print(f"  {mutation:20}", ", ".join(f"{o} {n}" for o, n in outcomes.most_common()))
+    for each in bad:
+        print(each)
+    if args.out:
+        args.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    return int(bool(bad))
+
+
+def _counted(
+    found: dict[Item, dict[str, Any]], bad: list[dict[str, Any]]
+) -> dict[str, Counter[str]]:
+    """Outcomes by mutation; what must not be is added to `bad`."""
+    by: dict[str, Counter[str]] = defaultdict(Counter)
+    for item, record in found.items():
+        if "lost" in record:
+            mutation, source, _, _, expected = mutated(item)
+            outcome = "HANG" if "longer" in record["lost"] else "CRASH"
+            record = {
+                "mutation": mutation, "source": source, "what": expected.what,
+                "outcome": outcome, "why": record["lost"],
+            }  # fmt: skip
+        by[record["mutation"]][record["outcome"]] += 1
+        if record.get("slow"):
+            by[record["mutation"]]["slow"] += 1
+        if record["outcome"].isupper():
+            bad.append({"step": item.name, "number": item.number, **record})
+    return by
+
+
+def _progress(name: str) -> Any:
+    def tell(done: int, of: int) -> None:
+        if done % 100 == 0 or done == of:
+            print(f"{name}: {done} of {of}", file=sys.stderr, flush=True)
+
+    return tell
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
