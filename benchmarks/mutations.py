@@ -88,15 +88,14 @@ def edge_collapsed(spec: Spec, rng: np.random.Generator) -> Expected:
     name, panel, edge = _pick(spec, rng)
     far = _log_uniform(rng, 1e-5, 0.03)
     start, end = panel["edges"][edge]["endpoints"]
-    x, y = panel["vertices"][start]
-    angle = rng.uniform(0, 2 * np.pi)
-    panel["vertices"][end] = [x + far * float(np.cos(angle)), y + far * float(np.sin(angle))]
+    a, b = np.array(panel["vertices"][start]), np.array(panel["vertices"][end])
+    panel["vertices"][end] = (a + far * (b - a) / max(np.linalg.norm(b - a), 1e-9)).tolist()
     return Expected(f"edge {edge} of {name} made {far:.3g} cm long", near=None)
 
 
 def edge_split(spec: Spec, rng: np.random.Generator) -> Expected:
     """A straight edge is cut in two, and with it the one that it is sewn to."""
-    name, panel, edge = _pick(spec, rng)
+    name, _, edge = _pick(spec, rng)
     stitch = next(
         (s for s in spec["pattern"].get("stitches", [])
          if any((side["panel"], side["edge"]) == (name, edge) for side in s[:2])),
