@@ -28,6 +28,7 @@ from garmentimage.pattern.model import (
     chord_count,
 )
 from garmentimage.pattern.placement_check import placement_findings
+from garmentimage.pattern.seam_check import half_sewn_findings
 
 NAME_LIMIT = 200
 """Characters of a panel's name."""
@@ -87,6 +88,7 @@ def check_pattern(
     for panel in pattern.panels:
         found.extend(_check_shape(panel))
     found.extend(_check_lengths(pattern, numbers))
+    found.extend(half_sewn_findings(pattern, numbers))
     found.extend(_check_assembly(pattern))
     found.extend(placement_findings(pattern))
     return tuple(found)
