@@ -76,9 +76,9 @@ def measure(body: Body) -> BodyMeasurements:
         "across_back": _across(body, armhole, -1),
         "across_front": _across(body, armhole, 1),
         "bust_point_distance": 2 * bust[0],
-        "back_waist_length": _back_length(body, cervical[1], waist),
+        "back_waist_length": back_length(body, cervical[1], waist),
         "front_waist_length": _front_waist_length(body),
-        "armscye_depth": _back_length(body, cervical[1], scye),
+        "armscye_depth": back_length(body, cervical[1], scye),
         "total_crotch_length": _crotch_length(body, waist),
         "bust_depth": _depth(body, bust[1]),
         "waist_depth": _depth(body, waist),
@@ -269,7 +269,7 @@ def _across(body: Body, height: float, side: int) -> float:
     return taut_length(level, np.array([-x, z]), np.array([x, z]))
 
 
-def _back_length(body: Body, top: float, bottom: float) -> float:
+def back_length(body: Body, top: float, bottom: float) -> float:
     """Tape down the middle of the back between two heights."""
     middle = np.concatenate(cut(body, 0 * ACROSS, ACROSS))[:, [1, 2]]
     start, end = (np.array([y, skin_on_line(body, 2, y * UP).min()]) for y in (top, bottom))

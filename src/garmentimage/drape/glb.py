@@ -121,7 +121,12 @@ def _extras(worn: Worn) -> dict[str, Any]:
         "pattern": pattern_to_spec(cloth.pattern),
         "sides": [[s.panel, s.edge, corners.tolist()] for s, corners in cloth.sides.items()],
         "seams": [vertices.tolist() for vertices in seam_vertices(cloth)],
-        "report": report | {"slid": dict(worn.report.slid), "faults": list(worn.report.faults)},
+        "report": report
+        | {
+            "slid": dict(worn.report.slid),
+            "faults": list(worn.report.faults),
+            "notes": list(worn.report.notes),
+        },
         "body": {
             "name": body.name,
             "pose": body.pose,
@@ -217,6 +222,7 @@ def _report(facts: Mapping[str, Any]) -> DrapeReport:
         held=float(facts["held"]),
         items=int(facts["items"]),
         faults=tuple(str(fault) for fault in facts["faults"]),
+        notes=tuple(str(note) for note in facts.get("notes", ())),
         seconds=float(facts["seconds"]),
     )
     numbers = [report.speed, report.penetration, report.strain, report.held, report.seconds]

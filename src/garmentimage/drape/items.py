@@ -1,14 +1,14 @@
-"""Items: the connected pieces of clothing of a pattern, and what each hangs from.
+"""Items: the connected pieces of clothing of a pattern, and what holds each of them up.
 
 Words of this file:
 
 - An **item** is all cloth that is sewn together. A pattern may hold several: a top, and trousers
   that are not sewn to it.
-- An item **hangs** where some of it lies on a shoulder: an arm leaves it through another opening
-  than the head does. Else it is **held**: the line of its topmost opening, a waistband or the edge
-  of a strapless bodice, keeps its height, as a belt or an elastic would do.
+- An item **hangs** from the shoulders. Else its top edge is **held** at the waist or at the chest,
+  as by a belt or an elastic, where one could hold it; where none could, nothing holds it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,18 +18,8 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentimage.body.body import Body
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.openings import bones, openings, turns
-
-SHOULDER_SHARE, BREADTH_SHARE = 0.785, 0.1
-"""Height of the shoulders and half their breadth as shares of the stature, where a body has no
-landmark for them."""
-
-BELT = 6.0
-"""Only what lies less than this below the top of an opening is held [cm]."""
-
-
-ARMS = 2
-"""Limbs that come first in the turns of an opening."""
+from garmentimage.drape.held import Held
+from garmentimage.drape.stand import Standing
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,24 +27,39 @@ class Item:
     """One connected piece of clothing."""
 
     vertices: Int[np.ndarray, " n"]
-    held: Int[np.ndarray, " m"]
-    """Vertices that keep their height; none where the item hangs."""
+    standing: Standing
+    """Where its panels were put."""
+    top: Int[np.ndarray, " t"]
+    """Vertices along its top edge; none where it hangs."""
+    level: Float[np.ndarray, " t"]
+    """Height at which each of them belongs [cm]."""
     resting: Int[np.ndarray, " k"]
     """Vertices of an item that hangs that begin over the shoulders."""
 
+    @property
+    def held(self) -> Int[np.ndarray, " m"]:
+        """Vertices that are kept at their height; none where the item hangs or nothing holds it."""
+        return self.top if self.standing.holds else _NONE
+
 
 def items(
-    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], body: Body, *, tucked: bool = False
+    cloth: Cloth,
+    start: Float[np.ndarray, "vertex 3"],
+    body: Body,
+    standings: Sequence[Standing],
+    *,
+    tucked: bool = False,
 ) -> tuple[Item, ...]:
     """The items of a garment, in the order in which they are put on.
 
-    Held items (skirts, trousers) come first and hanging ones (tops) over them, or after them
+    Skirts, trousers and strapless clothes come first and what hangs (tops) over them, or after them
     where the top is `tucked` in; of two that hang, the one with less cloth comes first.
 
     Args:
         cloth: the sewn garment.
         start: where its vertices start, round the body [cm].
         body: who wears it.
+        standings: where each piece of clothing was put.
         tucked: tops are worn under skirts and trousers.
     """
     faces = cloth.vertex_faces
@@ -65,54 +70,51 @@ def items(
     )
     number, label = connected_components(links, directed=False)
     label_of_face = label[faces[:, 0]]
+    names = [panel.name for panel in cloth.pattern.panels]
+    over = _over_shoulders(start, body)
     found = []
     for k in range(number):
-        own = faces[label_of_face == k]
-        held = _NONE if _hangs(own, start, body) else _held(own, start)
-        found.append((bool(len(held)) == tucked, len(own), k, held))
-    found.sort(key=lambda item: item[:3])
-    over = _over_shoulders(start, body)
-    return tuple(
-        Item(np.flatnonzero(label == k), held, _NONE if len(held) else over[label[over] == k])
-        for _, _, k, held in found
-    )
+        own = label_of_face == k
+        name = names[cloth.face_panel[own][0]]
+        standing = next(s for s in standings if name in s.panels)
+        hangs = standing.held is Held.SHOULDERS
+        top, level = (_NONE, np.zeros(0)) if hangs else _top(cloth, start, standing)
+        resting = over[label[over] == k] if hangs else _NONE
+        item = Item(np.flatnonzero(label == k), standing, top, level, resting)
+        found.append((hangs != tucked, int(own.sum()), k, item))
+    found.sort(key=lambda entry: entry[:3])
+    return tuple(item for *_, item in found)
 
 
 _NONE = np.zeros(0, np.int64)
 
 
+def _top(
+    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], standing: Standing
+) -> tuple[Int[np.ndarray, " t"], Float[np.ndarray, " t"]]:
+    """The vertices along a top edge, and the height at which each belongs [cm].
+
+    At the waist that is a level line, whatever curve is drawn. A strapless top keeps its own line.
+    """
+    lines = [cloth.vertex[cloth.sides[side]] for side in standing.edges]
+    if not lines:
+        return _NONE, np.zeros(0)
+    top = np.unique(np.concatenate(lines))
+    if standing.held is Held.CHEST:
+        return top, start[top, 1]
+    return top, np.full(len(top), standing.level)
+
+
 def _shoulder_height(body: Body) -> float:
     """Height of the shoulder joints [cm]."""
-    joint = body.landmarks.get("left_shoulder_joint")
-    if joint is not None:
-        return float(joint[1])
-    return SHOULDER_SHARE * float(body.vertices[:, 1].max())
-
-
-def _hangs(faces: np.ndarray, start: np.ndarray, body: Body) -> bool:
-    """Whether an opening goes round arms alone, neither the head nor the legs."""
-    lines = bones(body)
-    if lines is None:
-        return bool(start[faces, 1].max() >= _shoulder_height(body))
-    found = [turns(start[line], lines) for line in openings(faces)]
-    return any(any(t[:ARMS]) and not any(t[ARMS:]) for t in found)
-
-
-def _held(faces: np.ndarray, start: np.ndarray) -> Int[np.ndarray, " m"]:
-    lines = openings(faces)
-    if not lines:
-        return _NONE
-    top = max(lines, key=lambda line: float(start[line, 1].mean()))
-    heights = start[top, 1]
-    return np.unique(top[heights > heights.max() - BELT])
+    return float(body.landmarks["left_shoulder_joint"][1])
 
 
 def _over_shoulders(start: np.ndarray, body: Body) -> Int[np.ndarray, " n"]:
     """Vertices over the shoulders, beside the neck."""
-    joint = body.landmarks.get("left_shoulder_joint")
-    reach = BREADTH_SHARE * np.ptp(body.vertices[:, 1]) if joint is None else abs(joint[0])
-    neck = body.landmarks.get("left_neck_point")
-    inner = 0.0 if neck is None else abs(neck[0])
+    reach, inner = (
+        abs(body.landmarks[name][0]) for name in ("left_shoulder_joint", "left_neck_point")
+    )
     aside = np.abs(start[:, 0])
     over = (start[:, 1] > _shoulder_height(body)) & (aside < reach) & (aside > inner)
     return np.flatnonzero(over)

@@ -8,10 +8,13 @@ from jaxtyping import Float
 from garmentimage.body.body import Body
 from garmentimage.drape.crossings import crossing_count
 from garmentimage.drape.field import body_field
+from garmentimage.drape.girths import shoulder, waist_height
+from garmentimage.drape.held import Held
 from garmentimage.drape.items import Item
 from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.rest import Rest, most_strain
 from garmentimage.drape.solver import Motion
+from garmentimage.drape.stand import Standing, on_hips
 from garmentimage.drape.worn import DrapeReport
 
 DEEPEST = 0.5
@@ -19,7 +22,11 @@ DEEPEST = 0.5
 MOST_STRAIN = 0.25
 """All but a hundredth of the cloth, by area, may stretch by this share."""
 MOST_SLID = 3.0
-"""A garment may lie this far from where it is worn [cm]."""
+"""A garment may lie this far from where it is worn [cm]; what sits on the hips, further."""
+HIGH_WAIST = 8.0
+"""A top edge at the waist may lie this far above it [cm], as those of waistbands do."""
+SPACING = 2.0
+"""Cloth lies on the shoulders where a vertex is no further from their line than this [cm]."""
 RESTING = 25
 """So many percent of the cloth over the shoulders should rest on them; a hood's does not all."""
 
@@ -51,7 +58,7 @@ def judge(
     above = body_field(body).at(points)
     penetration = max(0.0, -float(above.min()))
     stretch = most_strain(rest, points)
-    slid = _slid(start, points, above, items)
+    slid = _slid(points, start, above, body, items)
     return DrapeReport(
         settled=settled,
         frames=frames,
@@ -63,36 +70,68 @@ def judge(
         held=sum(len(i.held) for i in items) / len(points),
         items=len(items),
         faults=(
-            *_motion_faults(settled, frames, speed, penetration, stretch, slid),
+            *_motion_faults(settled, frames, speed, penetration, stretch),
+            *_slid_faults(points, start, above, body, items),
             *_limb_faults(rest.faces, start, points, body),
         ),
+        notes=_notes(items, body),
         seconds=seconds,
     )
 
 
 def _slid(
-    start: np.ndarray,
     points: np.ndarray,
+    start: np.ndarray,
     above: np.ndarray,
+    body: Body,
     items: tuple[Item, ...],
 ) -> Mapping[str, float]:
-    """How far each item lies from where it is worn, the worst of each kind [cm].
-
-    At the waist, what is held: its height, and its way to the side. On the shoulders, the cloth
-    that began over them: its distance from the skin where it rests, and its way to the side.
-    """
+    """How far each item lies from where it is worn, the worst of each kind [cm]."""
     slid: dict[str, float] = {}
     for item in items:
-        if len(item.held):
-            name, where = "waist", item.held
-            off = abs(float((points - start)[where, 1].mean()))
-        else:
-            name, where = "shoulders", item.resting
-            if not len(where):
-                continue
-            off = float(np.percentile(above[where], RESTING))
-        slid[name] = max(slid.get(name, 0.0), off, _aside(start[where, 0], points[where, 0]))
+        name = item.standing.held.value
+        slid[name] = max(slid.get(name, 0.0), _off(item, points, start, above, body))
     return slid
+
+
+def _off(
+    item: Item, points: np.ndarray, start: np.ndarray, above: np.ndarray, body: Body
+) -> float:
+    """How far an item lies from where the body wears it [cm].
+
+    At the waist: how far its top edge lies below the waist, or above where a waistband reaches. At
+    the chest: how far its top edge lies from its height over the bust. On the shoulders: how far the
+    cloth that should lie on them is from their skin, or from the line along them.
+    """
+    if item.standing.held is Held.SHOULDERS:
+        where = item.resting
+        if not len(where):
+            highest = points[item.vertices, 1].max()
+            return max(0.0, float(body.landmarks["left_neck_point"][1] - highest))
+        off = max(
+            float(np.percentile(above[where], RESTING)), _from_shoulders(points[where], body)
+        )
+    else:
+        where = item.top if len(item.top) else item.vertices
+        height = float(points[where, 1].mean())
+        if item.standing.held is Held.WAIST:
+            over = height - waist_height(body)
+            off = max(-over, over - HIGH_WAIST, 0.0)
+        else:
+            off = abs(height - item.standing.level)
+    return max(off, _aside(start[where, 0], points[where, 0]))
+
+
+def _from_shoulders(points: Float[np.ndarray, "n 3"], body: Body) -> float:
+    """How far cloth lies from the shoulders [cm]: the nearest of it, on the worse of its sides."""
+    neck, end = body.landmarks["left_neck_point"], shoulder(body)
+    worst = 0.0
+    for side in (1, -1):
+        own = points[side * points[:, 0] > 0] * [side, 1, 1]
+        if len(own):
+            line = neck + np.linspace(0, 1, 9)[:, None] * (end - neck)
+            worst = max(worst, float(np.linalg.norm(own[:, None] - line, axis=2).min()))
+    return max(0.0, worst - SPACING)
 
 
 def _aside(before: Float[np.ndarray, " n"], after: Float[np.ndarray, " n"]) -> float:
@@ -110,7 +149,6 @@ def _motion_faults(
     speed: float,
     penetration: float,
     stretch: float,
-    slid: Mapping[str, float],
 ) -> list[str]:
     faults = []
     if not settled:
@@ -122,12 +160,70 @@ def _motion_faults(
             f"it is too tight: stretched by {stretch:.1%} (at most {MOST_STRAIN:.0%}); choose a "
             "larger size, another body, or a pose in which its sleeves are drawn"
         )
-    faults += [
-        f"it slid {far:.1f} cm from the {place} (at most {MOST_SLID:g})"
-        for place, far in slid.items()
-        if far > MOST_SLID
-    ]
     return faults
+
+
+def _slid_faults(
+    points: np.ndarray,
+    start: np.ndarray,
+    above: np.ndarray,
+    body: Body,
+    items: tuple[Item, ...],
+) -> list[str]:
+    """What does not lie where the body wears it, and why."""
+    faults = []
+    for item in items:
+        standing = item.standing
+        far = _off(item, points, start, above, body)
+        limit, sank = MOST_SLID, 0.0
+        if standing.held is Held.WAIST and standing.holds:
+            # Worn on the hips, as its top edge is too long for the waist; but there it must stay.
+            limit = on_hips(body)
+            sank = standing.level - float(points[item.top, 1].mean()) if len(item.top) else 0.0
+        if far > limit or sank > MOST_SLID:
+            place = standing.held.value
+            faults.append(f"it slid {far:.1f} cm from the {place}{_too_wide(standing)}")
+    return faults
+
+
+def _too_wide(standing: Standing) -> str:
+    """Why it slid, and what to do, where that is known."""
+    if standing.held is Held.SHOULDERS or standing.length <= standing.girth:
+        return f" (at most {MOST_SLID:g})"
+    what = "its top edge" if standing.held is Held.WAIST else "under its top edge it"
+    return (
+        f": {what} is {standing.length:.0f} cm round, the body's {standing.held.value} "
+        f"{standing.girth:.0f}; take it in, sew it to a shorter band, or choose a larger body"
+    )
+
+
+def _notes(items: tuple[Item, ...], body: Body) -> tuple[str, ...]:
+    """What a buyer should know of how the garment was put on."""
+    notes = []
+    for item in items:
+        standing, name = item.standing, _name(item.standing)
+        place = standing.held.value
+        if not standing.sure:
+            notes.append(
+                f"{name} was taken for one that is worn at the {place} only because {standing.why}; "
+                "if that is wrong, name the panels at its top, such as skirt_front or bodice_front"
+            )
+        below = waist_height(body) - standing.level
+        if standing.drawn_to:
+            notes.append(
+                f"the top edge of {name}, {standing.length:.0f} cm long, is drawn together to "
+                f"{standing.drawn_to:.0f} cm, as by an elastic"
+            )
+        elif standing.held is Held.WAIST and standing.holds and below > MOST_SLID:
+            notes.append(
+                f"{name} sits on the hips, {below:.0f} cm below the waist: its top edge is "
+                f"{standing.length:.0f} cm round, the body's waist {standing.girth:.0f}"
+            )
+    return tuple(notes)
+
+
+def _name(standing: Standing) -> str:
+    return f"the garment of panel {min(standing.panels)[:40]!r}"
 
 
 def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body: Body) -> list[str]:

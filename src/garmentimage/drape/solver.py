@@ -46,6 +46,8 @@ class Attachment:
     stiffness: Float[np.ndarray, "held 3"]
     """Force per distance from the target along x, y and z [dyn/cm]: 0 is free, infinite is held
     exactly there."""
+    most: float = np.inf
+    """Greatest force on a vertex, along each axis [dyn]."""
 
 
 @dataclass(frozen=True)
@@ -173,11 +175,12 @@ def _refresh(frequency: Float[np.ndarray, " vertex"], step: float) -> int:
 
 def _held(
     attachment: Attachment | None, inertia: Float[np.ndarray, " vertex"], step: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Held vertices, their targets, and the share of the way there that each step goes."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Held vertices, their targets, the share of the way there that each step goes, at most [cm]."""
     if attachment is None:
-        return np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3))
+        return np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
     vertices = attachment.vertices.astype(np.int64)
     strength = attachment.stiffness * (step**2 / inertia[vertices])[:, None]
     share = 1.0 - 1.0 / (1.0 + strength)
-    return vertices, np.ascontiguousarray(attachment.targets, dtype=float), share
+    most = attachment.most * step**2 / inertia[vertices]
+    return vertices, np.ascontiguousarray(attachment.targets, dtype=float), share, most

@@ -9,6 +9,8 @@ along the legs (`legs`).
 This moves where the cloth begins, not what it is: at rest it is as long as the flat panels are.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 
@@ -18,9 +20,12 @@ from garmentimage.drape.collars import lay_collar
 from garmentimage.drape.legs import clear_feet, shift_leg
 from garmentimage.drape.skirts import hang_skirts
 from garmentimage.drape.sleeves import lay_sleeve
+from garmentimage.drape.stand import Standing
 
 
-def start_points(cloth: Cloth, body: Body) -> Float[np.ndarray, "vertex 3"]:
+def start_points(
+    cloth: Cloth, body: Body, standings: Sequence[Standing]
+) -> Float[np.ndarray, "vertex 3"]:
     """Where every vertex begins: halfway between the corners that are sewn into it [cm]."""
     corners = np.empty((len(cloth.flat), 3))
     for k, panel in enumerate(cloth.pattern.panels):
@@ -30,7 +35,7 @@ def start_points(cloth: Cloth, body: Body) -> Float[np.ndarray, "vertex 3"]:
     if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= marks.keys():
         for side in (1, -1):
             lay_sleeve(cloth, corners, marks, side)
-        hang_skirts(cloth, corners, marks)
+        hang_skirts(cloth, corners, marks, standings)
     if {"left_neck_point", "neck_joint"} <= marks.keys():
         lay_collar(cloth, corners, marks)
     if {"left_knee_joint", "left_ankle_joint"} <= marks.keys():

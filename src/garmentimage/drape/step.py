@@ -154,12 +154,13 @@ def _advance(points, moved, i, x, y, z, most):
 
 @njit(cache=True)
 def _hold(points, moved, held):
-    """Pull held vertices to their targets."""
-    vertices, targets, share = held
+    """Pull held vertices to their targets, no farther in one step than `most`."""
+    vertices, targets, share, most = held
     for n in range(len(vertices)):
         i = vertices[n]
         for k in range(3):
             shift = share[n, k] * (targets[n, k] - points[i, k])
+            shift = min(max(shift, -most[n]), most[n])
             points[i, k] += shift
             moved[i, k] += shift
 

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.body.body import Body
-from garmentimage.body.measure import taut_girth, trunk_outline
+from garmentimage.drape.girths import girth
 from garmentimage.drape.rest import Rest
 
 ROOM = 0.92
@@ -43,5 +43,4 @@ def _share(x: np.ndarray, body: Body, level: float) -> float:
     """Girth of the body as a share of the cloth's at some level, at most 1."""
     if not len(x):
         return 1.0
-    girth = taut_girth(trunk_outline(body, level)[:, [0, 2]])
-    return min(ROOM * girth / max(2 * float(np.ptp(x)), 1e-6), 1.0)
+    return min(ROOM * girth(body, float(level)) / max(2 * float(np.ptp(x)), 1e-6), 1.0)

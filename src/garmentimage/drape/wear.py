@@ -8,6 +8,8 @@ from garmentimage.body.body import Body
 from garmentimage.body.stance import wearer
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.field import DistanceField, body_field
+from garmentimage.drape.elastic import drawn_together
+from garmentimage.drape.held import Held
 from garmentimage.drape.items import Item, items
 from garmentimage.drape.judge import judge
 from garmentimage.drape.mesh import VERTICES, mesh
@@ -23,6 +25,8 @@ from garmentimage.pattern.placement_check import unknown_place
 
 BELT_STIFFNESS = 1e5
 """With which a belt keeps each vertex at its height [dyn/cm]."""
+BELT_PULL = 3e6
+"""With which a belt or an elastic holds a garment up, at most, all round [dyn]: some 3 kg."""
 
 
 def drape(
@@ -68,24 +72,24 @@ def drape(
     check_type(fabric, Fabric, "name one, such as 'cotton'")
     _check_sewn(pattern)
     check_placed(pattern)
-    placed, _ = standing(pattern, body, made_for=made_for)
+    placed, standings = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
-    rest = rest_of(cloth)
-    start = start_points(cloth, body)
+    start = start_points(cloth, body, standings)
     points, motions = start.copy(), []
     field: DistanceField = body_field(body)
-    worn_items = items(cloth, start, body, tucked=tucked)
-    band = max((float(start[i.held, 1].mean()) for i in worn_items if len(i.held)), default=None)
+    worn_items = items(cloth, start, body, standings, tucked=tucked)
+    rest = drawn_together(rest_of(cloth), worn_items)
+    band = max((float(i.level.mean()) for i in worn_items if len(i.held)), default=None)
     for item in worn_items:
         part = rest.part(item.vertices)
-        if tucked and band is not None and not len(item.held):
+        if tucked and band is not None and item.standing.held is Held.SHOULDERS:
             part = tucked_in(part, start[item.vertices], body, band)
         motion = solve(
             part,
             start[item.vertices],
             field,
             fabric,
-            attachment=_belt(item, start),
+            attachment=_belt(item),
             resting=np.searchsorted(item.vertices, item.resting),
             settings=settings,
         )
@@ -138,11 +142,11 @@ def check_placed(pattern: Pattern) -> None:
         raise DrapeError(f"{name} cannot be put on a body: {finding}")
 
 
-def _belt(item: Item, start: np.ndarray) -> Attachment | None:
+def _belt(item: Item) -> Attachment | None:
     """Holds an item up where nothing else does; free to move sideways."""
     if not len(item.held):
         return None
     own = np.searchsorted(item.vertices, item.held)
-    stiffness = np.zeros((len(own), 3))
-    stiffness[:, 1] = BELT_STIFFNESS
-    return Attachment(own, start[item.held], stiffness)
+    targets, stiffness = np.zeros((2, len(own), 3))
+    targets[:, 1], stiffness[:, 1] = item.level, BELT_STIFFNESS
+    return Attachment(own, targets, stiffness, BELT_PULL / len(own))

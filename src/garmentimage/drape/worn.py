@@ -26,7 +26,8 @@ class DrapeReport:
     """Largest stretch of a direction in the panel that all but a hundredth of the cloth, by area,
     keeps below."""
     slid: Mapping[str, float]
-    """How far the cloth lies from where it is worn [cm], by place: `shoulders` and `waist`."""
+    """How far the cloth lies from where the body wears it [cm], by place: `shoulders`, `waist` and
+    `chest`."""
     crossings: int
     """Triangles of cloth that pass through other cloth."""
     held: float
@@ -35,6 +36,8 @@ class DrapeReport:
     """Connected pieces of clothing."""
     faults: tuple[str, ...]
     """What went wrong, a sentence each; none for a good drape."""
+    notes: tuple[str, ...]
+    """How the garment was put on, where that is not plain; a sentence each."""
     seconds: float
     """Time for mesh and simulation [s]."""
 

@@ -1,0 +1,173 @@
+"""What holds a garment up, told from what it is and not from where its file puts it.
+
+1. A garment that arms leave through openings of their own hangs from the **shoulders**; so does one
+   whose front and back are sewn together by short seams that face up.
+2. Any other hangs from the **waist** or, as a strapless dress, from the **chest**: the panels at
+   its top are named, its crotch lies nearer or farther below its top, its top edge is too short
+   for the chest, or it widens at once, or it is narrow where the waist lies.
+3. Where none of that tells them apart, the height in its file does, and that is not sure.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from garmentimage.body.body import Body
+from garmentimage.drape.girths import bust_height, girth, waist_height
+from garmentimage.drape.pieces import (
+    FACING,
+    Opening,
+    Piece,
+    Points,
+    WorldEdge,
+    crotch_of,
+    girth_at,
+    mean_height,
+    middle_depth,
+    openings_of,
+)
+from garmentimage.pattern.model import Pattern
+from garmentimage.raster.place import floor_shift
+
+BOTTOM = re.compile(r"skirt|pant|trouser|waist|(^|_)wb(_|$)|leg(_|$)|shorts", re.IGNORECASE)
+"""Names of panels whose top edge is worn at the waist."""
+TOP = re.compile(r"torso|bodice|bust|chest|dress|corset|strapless|bandeau", re.IGNORECASE)
+"""Names of panels whose top edge is worn at the chest."""
+STRAP_REACH = 35.0
+"""Without armholes, seams that go further out than this [cm] are no straps: the side seams of a
+circle skirt also face up."""
+TOP_BAND = 8.0
+"""Edges whose tops are within this of the highest are at the top together [cm]."""
+TOO_SHORT = 0.92
+"""A top edge shorter than this share of the bust is not worn there."""
+FLARED, FLARED_BELOW = 1.25, 10.0
+"""A garment that is so many times as wide as its top edge this far below it [cm] is a skirt."""
+WAISTED, WAIST_BELOW = 0.95, (10.0, 35.0)
+"""A garment that is narrower than this share of its top edge so far below it [cm] has a waist."""
+
+
+class Held(Enum):
+    """What holds a garment up."""
+
+    SHOULDERS = "shoulders"
+    WAIST = "waist"
+    CHEST = "chest"
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """What holds a garment up, and how that is known."""
+
+    held: Held
+    why: str
+    """How it was told, as a clause."""
+    sure: bool
+    """Whether the garment itself tells; else the height in its file did."""
+    edges: tuple[WorldEdge, ...]
+    """The free edges at its top."""
+    seams: tuple[Points, ...]
+    """Its shoulder seams."""
+    crotch: float | None
+    """Height of its crotch [cm]."""
+
+
+def hold_of(pattern: Pattern, pieces: Mapping[str, Piece], body: Body) -> Hold:
+    """What holds up a garment that is all sewn together."""
+    openings = openings_of(pattern, pieces)
+    highest = max(float(e.points[:, 1].max()) for p in pieces.values() for e in p.edges)
+    crotch = crotch_of(pattern, pieces, highest)
+    arms = _arms(openings, crotch)
+    seams = _shoulder_seams(pattern, pieces, np.inf if arms else STRAP_REACH)
+    edges = _top_edges(openings)
+    if seams or (arms and any(not piece.on_trunk for piece in pieces.values())):
+        why = "arms leave it through openings of their own" if arms else "it has shoulder seams"
+        return Hold(Held.SHOULDERS, why, True, edges, tuple(seams), crotch)
+    held, why, sure = _waist_or_chest(pattern, pieces, edges, crotch, body)
+    return Hold(held, why, sure, edges, (), crotch)
+
+
+def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
+    """One-sided openings that are no trouser legs.
+
+    Legs are the lowest on each side, where there is a crotch and no hem round both.
+    """
+    sided = [o for o in openings if o.one_sided]
+    legged = crotch is not None and all(
+        o.points[:, 1].min() > crotch for o in openings if not o.one_sided
+    )
+    if not legged:
+        return sided
+    legs = []
+    for side in (1, -1):
+        own = [o for o in sided if side * o.points[:, 0].mean() > 0]
+        legs += sorted(own, key=lambda o: o.height)[:1]
+    return [o for o in sided if o not in legs]
+
+
+def _shoulder_seams(
+    pattern: Pattern, pieces: Mapping[str, Piece], reach: float
+) -> list[Points]:
+    """The highest seams between front and back of the trunk that face up, as points."""
+    found, middle = [], middle_depth(pieces)
+    for stitch in pattern.stitches:
+        a, b = (pieces[side.panel] for side in stitch.sides)
+        if (a.centre[2] - middle) * (b.centre[2] - middle) >= 0:
+            continue
+        sides = [pieces[side.panel].edges[side.edge] for side in stitch.sides]
+        if a.on_trunk and b.on_trunk and all(edge.faces_up for edge in sides):
+            points = np.concatenate([edge.points for edge in sides])
+            if np.abs(points[:, 0]).max() < reach:
+                found.append(points)
+    highest = max((float(points[:, 1].max()) for points in found), default=0.0)
+    return [points for points in found if points[:, 1].max() > highest - TOP_BAND]
+
+
+def _top_edges(openings: Sequence[Opening]) -> tuple[WorldEdge, ...]:
+    """The edges of the topmost opening; those at its top, where it reaches down to a hem."""
+    if not openings:
+        return ()
+    middle = [o for o in openings if not o.one_sided] or openings
+    top = max(middle, key=lambda o: o.height)
+    if len(middle) > 1 or all(edge.up > -FACING for edge in top.edges):
+        return top.edges
+    high = [edge for edge in top.edges if edge.faces_up] or list(top.edges)
+    highest = max(float(edge.points[:, 1].max()) for edge in high)
+    return tuple(edge for edge in high if edge.points[:, 1].max() > highest - TOP_BAND)
+
+
+def _waist_or_chest(
+    pattern: Pattern,
+    pieces: Mapping[str, Piece],
+    edges: tuple[WorldEdge, ...],
+    crotch: float | None,
+    body: Body,
+) -> tuple[Held, str, bool]:
+    panels = [pattern.by_name[name] for name in dict.fromkeys(e.side.panel for e in edges)]
+    named = [p.name for p in panels if BOTTOM.search(p.name) or p.label == "leg"]
+    if named:
+        return Held.WAIST, f"panel {named[0][:40]!r} at its top is named for the waist", True
+    named = [p.name for p in panels if TOP.search(p.name)]
+    if named:
+        return Held.CHEST, f"panel {named[0][:40]!r} at its top is named for the chest", True
+    waist, bust = waist_height(body), bust_height(body)
+    top = mean_height(edges) if edges else 0.0
+    if edges and crotch is not None:
+        rise, lowest = top - crotch, float(body.landmarks["crotch"][1])
+        near = rise < ((waist - lowest) + (bust - lowest)) / 2
+        why = f"its crotch lies {rise:.0f} cm below its top edge"
+        return (Held.WAIST if near else Held.CHEST), why, True
+    length = sum(e.length for e in edges)
+    if edges and length < TOO_SHORT * girth(body, bust):
+        return Held.WAIST, f"its top edge of {length:.0f} cm is too short for the chest", True
+    if edges and girth_at(pieces, top - FLARED_BELOW) > FLARED * length:
+        return Held.WAIST, "it widens at once below its top edge", True
+    levels = top - np.arange(*WAIST_BELOW, 2.0)
+    least = min((g for y in levels.tolist() if (g := girth_at(pieces, y)) > 0), default=length)
+    if edges and least < WAISTED * min(length, girth_at(pieces, top - 2.0) or length):
+        return Held.CHEST, f"it narrows to {least:.0f} cm below its top edge", True
+    height = top + floor_shift(pattern)
+    held = Held.WAIST if height < (waist + bust) / 2 else Held.CHEST
+    return held, f"its top edge lies {height:.0f} cm over the floor in its file", False
