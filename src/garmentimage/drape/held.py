@@ -16,20 +16,21 @@ from enum import Enum
 import numpy as np
 
 from garmentimage.body.body import Body
-from garmentimage.drape.girths import bust_height, girth, waist_height
+from garmentimage.drape.girths import bust_height, chest_level, girth, waist_height
 from garmentimage.drape.pieces import (
     FACING,
     Opening,
     Piece,
     Points,
     WorldEdge,
+    band_height,
     crotch_of,
     girth_at,
     mean_height,
     middle_depth,
     openings_of,
 )
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.model import Pattern, Side
 from garmentimage.raster.place import floor_shift
 
 BOTTOM = re.compile(r"skirt|pant|trouser|waist|(^|_)wb(_|$)|leg(_|$)|shorts", re.IGNORECASE)
@@ -39,12 +40,20 @@ TOP = re.compile(r"torso|bodice|bust|chest|dress|corset|strapless|bandeau", re.I
 STRAP_REACH = 35.0
 """Without armholes, seams that go further out than this [cm] are no straps: the side seams of a
 circle skirt also face up."""
+STEEPEST = 0.6
+"""Nor do such seams fall by more than this on the way out [cm per cm]."""
 TOP_BAND = 8.0
 """Edges whose tops are within this of the highest are at the top together [cm]."""
 TOO_SHORT = 0.92
 """A top edge shorter than this share of the bust is not worn there."""
-FLARED, FLARED_BELOW = 1.25, 10.0
+CROTCH_TO_CHEST = 0.95
+"""Trousers that reach up to the chest are as long above the crotch as this share of the body."""
+FLARED, FLARED_BELOW = 1.12, 10.0
 """A garment that is so many times as wide as its top edge this far below it [cm] is a skirt."""
+BAND = 12.0
+"""Panels at the top that are lower than this are a waistband [cm]."""
+NARROWEST = 0.65
+"""Widths below this share of the top edge are gaps between panels, no waist."""
 WAISTED, WAIST_BELOW = 0.95, (10.0, 35.0)
 """A garment that is narrower than this share of its top edge so far below it [cm] has a waist."""
 
@@ -58,6 +67,15 @@ class Held(Enum):
 
 
 @dataclass(frozen=True, eq=False)
+class Seam:
+    """A seam in the world."""
+
+    sides: tuple[Side, Side]
+    points: Points
+    """On both sides."""
+
+
+@dataclass(frozen=True, eq=False)
 class Hold:
     """What holds a garment up, and how that is known."""
 
@@ -68,7 +86,7 @@ class Hold:
     """Whether the garment itself tells; else the height in its file did."""
     edges: tuple[WorldEdge, ...]
     """The free edges at its top."""
-    seams: tuple[Points, ...]
+    seams: tuple[Seam, ...]
     """Its shoulder seams."""
     crotch: float | None
     """Height of its crotch [cm]."""
@@ -79,13 +97,16 @@ def hold_of(pattern: Pattern, pieces: Mapping[str, Piece], body: Body) -> Hold:
     openings = openings_of(pattern, pieces)
     highest = max(float(e.points[:, 1].max()) for p in pieces.values() for e in p.edges)
     crotch = crotch_of(pattern, pieces, highest)
-    arms = _arms(openings, crotch)
-    seams = _shoulder_seams(pattern, pieces, np.inf if arms else STRAP_REACH)
     edges = _top_edges(openings)
-    if seams or (arms and any(not piece.on_trunk for piece in pieces.values())):
-        why = "arms leave it through openings of their own" if arms else "it has shoulder seams"
-        return Hold(Held.SHOULDERS, why, True, edges, tuple(seams), crotch)
-    held, why, sure = _waist_or_chest(pattern, pieces, edges, crotch, body)
+    seams = _shoulder_seams(pattern, pieces)
+    arms = _arms(openings, crotch)
+    if arms and (seams or any(not piece.on_trunk for piece in pieces.values())):
+        why = "arms leave it through openings of their own"
+        return Hold(Held.SHOULDERS, why, True, edges, seams, crotch)
+    named = _named(pattern, edges)
+    if named is None and _are_straps(seams, edges):
+        return Hold(Held.SHOULDERS, "it has shoulder seams", True, edges, seams, crotch)
+    held, why, sure = named or _waist_or_chest(pattern, pieces, edges, crotch, body)
     return Hold(held, why, sure, edges, (), crotch)
 
 
@@ -107,10 +128,26 @@ def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
     return [o for o in sided if o not in legs]
 
 
-def _shoulder_seams(
-    pattern: Pattern, pieces: Mapping[str, Piece], reach: float
-) -> list[Points]:
-    """The highest seams between front and back of the trunk that face up, as points."""
+def _are_straps(seams: Sequence[Seam], edges: Sequence[WorldEdge]) -> bool:
+    """Whether seams that face up lie on the shoulders though no armhole is under them.
+
+    The side seams of circle skirts face up, too, but go far out, or from the top edge down.
+    """
+    if not seams or not edges:
+        return False
+    points, top = np.concatenate([seam.points for seam in seams]), mean_height(edges)
+    inner = np.abs(points[:, 0]) < np.median(np.abs(points[:, 0]))
+    fall = points[inner, 1].mean() - points[~inner, 1].mean()
+    run = np.abs(points[~inner, 0]).mean() - np.abs(points[inner, 0]).mean()
+    return bool(
+        np.abs(points[:, 0]).max() < STRAP_REACH
+        and points[:, 1].max() > top
+        and fall < STEEPEST * run
+    )
+
+
+def _shoulder_seams(pattern: Pattern, pieces: Mapping[str, Piece]) -> tuple[Seam, ...]:
+    """The highest seams between front and back of the trunk that face up."""
     found, middle = [], middle_depth(pieces)
     for stitch in pattern.stitches:
         a, b = (pieces[side.panel] for side in stitch.sides)
@@ -118,11 +155,9 @@ def _shoulder_seams(
             continue
         sides = [pieces[side.panel].edges[side.edge] for side in stitch.sides]
         if a.on_trunk and b.on_trunk and all(edge.faces_up for edge in sides):
-            points = np.concatenate([edge.points for edge in sides])
-            if np.abs(points[:, 0]).max() < reach:
-                found.append(points)
-    highest = max((float(points[:, 1].max()) for points in found), default=0.0)
-    return [points for points in found if points[:, 1].max() > highest - TOP_BAND]
+            found.append(Seam(stitch.sides, np.concatenate([edge.points for edge in sides])))
+    highest = max((float(seam.points[:, 1].max()) for seam in found), default=0.0)
+    return tuple(seam for seam in found if seam.points[:, 1].max() > highest - TOP_BAND)
 
 
 def _top_edges(openings: Sequence[Opening]) -> tuple[WorldEdge, ...]:
@@ -138,13 +173,8 @@ def _top_edges(openings: Sequence[Opening]) -> tuple[WorldEdge, ...]:
     return tuple(edge for edge in high if edge.points[:, 1].max() > highest - TOP_BAND)
 
 
-def _waist_or_chest(
-    pattern: Pattern,
-    pieces: Mapping[str, Piece],
-    edges: tuple[WorldEdge, ...],
-    crotch: float | None,
-    body: Body,
-) -> tuple[Held, str, bool]:
+def _named(pattern: Pattern, edges: Sequence[WorldEdge]) -> tuple[Held, str, bool] | None:
+    """What the names of the panels at the top tell, if they do."""
     panels = [pattern.by_name[name] for name in dict.fromkeys(e.side.panel for e in edges)]
     named = [p.name for p in panels if BOTTOM.search(p.name) or p.label == "leg"]
     if named:
@@ -152,22 +182,34 @@ def _waist_or_chest(
     named = [p.name for p in panels if TOP.search(p.name)]
     if named:
         return Held.CHEST, f"panel {named[0][:40]!r} at its top is named for the chest", True
+    return None
+
+
+def _waist_or_chest(
+    pattern: Pattern,
+    pieces: Mapping[str, Piece],
+    edges: tuple[WorldEdge, ...],
+    crotch: float | None,
+    body: Body,
+) -> tuple[Held, str, bool]:
     waist, bust = waist_height(body), bust_height(body)
     top = mean_height(edges) if edges else 0.0
-    if edges and crotch is not None:
-        rise, lowest = top - crotch, float(body.landmarks["crotch"][1])
-        near = rise < ((waist - lowest) + (bust - lowest)) / 2
-        why = f"its crotch lies {rise:.0f} cm below its top edge"
-        return (Held.WAIST if near else Held.CHEST), why, True
+    height = top + floor_shift(pattern)
+    in_file = Held.WAIST if height < (waist + bust) / 2 else Held.CHEST
     length = sum(e.length for e in edges)
     if edges and length < TOO_SHORT * girth(body, bust):
         return Held.WAIST, f"its top edge of {length:.0f} cm is too short for the chest", True
+    if edges and crotch is not None:
+        rise, least = top - crotch, chest_level(body) - float(body.landmarks["crotch"][1])
+        held = Held.WAIST if rise < CROTCH_TO_CHEST * least else Held.CHEST
+        return held, f"its crotch lies {rise:.0f} cm below its top edge", held is in_file
     if edges and girth_at(pieces, top - FLARED_BELOW) > FLARED * length:
         return Held.WAIST, "it widens at once below its top edge", True
+    if 0 < band_height(pattern, pieces, edges) <= BAND:
+        return Held.WAIST, "it has a waistband", True
     levels = top - np.arange(*WAIST_BELOW, 2.0)
-    least = min((g for y in levels.tolist() if (g := girth_at(pieces, y)) > 0), default=length)
+    widths = [g for y in levels.tolist() if (g := girth_at(pieces, y)) > NARROWEST * length]
+    least = min(widths, default=length)
     if edges and least < WAISTED * min(length, girth_at(pieces, top - 2.0) or length):
-        return Held.CHEST, f"it narrows to {least:.0f} cm below its top edge", True
-    height = top + floor_shift(pattern)
-    held = Held.WAIST if height < (waist + bust) / 2 else Held.CHEST
-    return held, f"its top edge lies {height:.0f} cm over the floor in its file", False
+        return Held.CHEST, f"it narrows to {least:.0f} cm below its top edge", in_file is Held.CHEST
+    return in_file, f"its top edge lies {height:.0f} cm over the floor in its file", False

@@ -18,8 +18,14 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentimage.body.body import Body
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.girths import chest_level
 from garmentimage.drape.held import Held
 from garmentimage.drape.stand import Standing
+from garmentimage.pattern.model import Side
+
+
+LAYER = 2.0
+"""Garments whose depths differ by less are drawn on one layer [cm]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +41,8 @@ class Item:
     """Height at which each of them belongs [cm]."""
     resting: Int[np.ndarray, " k"]
     """Vertices of an item that hangs that begin over the shoulders."""
+    seams: Int[np.ndarray, " s"]
+    """Vertices along its shoulder seams; those over the shoulders where it has none."""
 
     @property
     def held(self) -> Int[np.ndarray, " m"]:
@@ -53,7 +61,8 @@ def items(
     """The items of a garment, in the order in which they are put on.
 
     Skirts, trousers and strapless clothes come first and what hangs (tops) over them, or after them
-    where the top is `tucked` in; of two that hang, the one with less cloth comes first.
+    where the top is `tucked` in. Of two that are alike, the one whose front and back are drawn
+    closer together comes first, or the one with less cloth.
 
     Args:
         cloth: the sewn garment.
@@ -78,11 +87,14 @@ def items(
         name = names[cloth.face_panel[own][0]]
         standing = next(s for s in standings if name in s.panels)
         hangs = standing.held is Held.SHOULDERS
-        top, level = (_NONE, np.zeros(0)) if hangs else _top(cloth, start, standing)
+        hangs_only = hangs and not standing.holds
+        top, level = (_NONE, np.zeros(0)) if hangs_only else _top(cloth, start, standing, body)
         resting = over[label[over] == k] if hangs else _NONE
-        item = Item(np.flatnonzero(label == k), standing, top, level, resting)
-        found.append((hangs != tucked, int(own.sum()), k, item))
-    found.sort(key=lambda entry: entry[:3])
+        seams = _along(cloth, standing.seams) if standing.seams else resting
+        item = Item(np.flatnonzero(label == k), standing, top, level, resting, seams)
+        deep = round(float(np.ptp(start[item.vertices, 2])) / LAYER) * LAYER
+        found.append((hangs != tucked, deep, int(own.sum()), k, item))
+    found.sort(key=lambda entry: entry[:4])
     return tuple(item for *_, item in found)
 
 
@@ -90,19 +102,25 @@ _NONE = np.zeros(0, np.int64)
 
 
 def _top(
-    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], standing: Standing
+    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], standing: Standing, body: Body
 ) -> tuple[Int[np.ndarray, " t"], Float[np.ndarray, " t"]]:
     """The vertices along a top edge, and the height at which each belongs [cm].
 
-    At the waist that is a level line, whatever curve is drawn. A strapless top keeps its own line.
+    At the waist that is a level line, whatever curve is drawn. A strapless top keeps its own line,
+    and so does one with a single strap, but for the strap.
     """
-    lines = [cloth.vertex[cloth.sides[side]] for side in standing.edges]
-    if not lines:
-        return _NONE, np.zeros(0)
-    top = np.unique(np.concatenate(lines))
-    if standing.held is Held.CHEST:
-        return top, start[top, 1]
-    return top, np.full(len(top), standing.level)
+    top = _along(cloth, standing.edges)
+    if standing.held is Held.WAIST:
+        return top, np.full(len(top), standing.level)
+    if standing.held is Held.SHOULDERS:
+        top = top[start[top, 1] < chest_level(body)]
+    return top, start[top, 1]
+
+
+def _along(cloth: Cloth, sides: Sequence[Side]) -> Int[np.ndarray, " n"]:
+    """The vertices along edges."""
+    lines = [cloth.vertex[cloth.sides[side]] for side in sides]
+    return np.unique(np.concatenate(lines)) if lines else _NONE
 
 
 def _shoulder_height(body: Body) -> float:

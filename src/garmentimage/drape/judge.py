@@ -104,7 +104,7 @@ def _off(
     cloth that should lie on them is from their skin, or from the line along them.
     """
     if item.standing.held is Held.SHOULDERS:
-        where = item.resting
+        where = item.seams
         if not len(where):
             highest = points[item.vertices, 1].max()
             return max(0.0, float(body.landmarks["left_neck_point"][1] - highest))
@@ -113,7 +113,7 @@ def _off(
         )
     else:
         where = item.top if len(item.top) else item.vertices
-        height = float(points[where, 1].mean())
+        height = max(float(points[where, 1].mean()), 0.0)
         if item.standing.held is Held.WAIST:
             over = height - waist_height(body)
             off = max(-over, over - HIGH_WAIST, 0.0)
@@ -243,7 +243,10 @@ def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body:
     before = np.array([turns(start[o], lines) for o in found]).reshape(-1, len(limbs))
     after = np.array([turns(points[o], lines) for o in found]).reshape(-1, len(limbs))
     if not after.any():
-        return ["the body is not in the garment"]
+        return [
+            "the body is not in the garment: nothing closes round it; place its panels in front of "
+            "the body and behind it, and sew them together on both sides"
+        ]
     beyond = np.array([[is_beyond(points[o], lines[limb]) for limb in limbs] for o in found])
     after = np.where(beyond, before, after)
     began_through, through = before.sum(axis=0) != 0, after.sum(axis=0) != 0

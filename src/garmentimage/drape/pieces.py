@@ -10,7 +10,7 @@ Words of this file:
 Nothing here depends on where the origin of the pattern's file is, but for the middle plane (x = 0).
 """
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,8 +24,8 @@ NEAR_AXIS = 8.0
 """A panel that comes nearer than this to the middle [cm] belongs to the trunk; sleeves do not."""
 MIDDLE = 3.0
 """A panel whose middle is no further than this from the plane of symmetry [cm] is on no side."""
-ONE_SIDED = 0.97
-"""Share of an opening's length that lies on one side of the wearer, for it to be one-sided."""
+OVER_MIDDLE = 0.15
+"""A one-sided opening goes over the middle by this share of its reach at most."""
 FACING = 0.5
 """Least upward part of the unit direction in which the middle of an edge that faces up faces out of
 its panel; the same downward."""
@@ -85,12 +85,11 @@ class Opening:
 
     @cached_property
     def one_sided(self) -> bool:
-        weights = np.repeat([e.length for e in self.edges], len(SHARES))
-        left = float(weights[self.points[:, 0] > 0].sum() / max(weights.sum(), 1e-9))
-        return max(left, 1 - left) > ONE_SIDED
+        low, high = float(self.points[:, 0].min()), float(self.points[:, 0].max())
+        return min(-low, high) < OVER_MIDDLE * max(-low, high)
 
 
-def mean_height(edges: tuple[WorldEdge, ...]) -> float:
+def mean_height(edges: Sequence[WorldEdge]) -> float:
     """Mean height of edges, by length [cm]."""
     heights = [float(np.trapezoid(e.points[:, 1], SHARES)) for e in edges]
     return float(np.average(heights, weights=[max(e.length, 1e-9) for e in edges]))
@@ -210,11 +209,9 @@ def middle_depth(pieces: Mapping[str, Piece]) -> float:
 
 
 def girth_at(pieces: Mapping[str, Piece], height: float) -> float:
-    """How wide the panels of the trunk are at a height, all together [cm]."""
+    """How wide the panels are at a height, all together [cm]."""
     total = 0.0
     for piece in pieces.values():
-        if not piece.on_trunk:
-            continue
         points = piece.panel.to_world(piece.panel.outline.polygon)
         a, b = points, np.roll(points, -1, axis=0)
         crosses = (a[:, 1] > height) != (b[:, 1] > height)
@@ -224,3 +221,42 @@ def girth_at(pieces: Mapping[str, Piece], height: float) -> float:
         along = np.sort(hits @ [normal[2], 0.0, -normal[0]])
         total += float((along[1::2] - along[::2]).sum())
     return total
+
+
+def band_height(
+    pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]
+) -> float:
+    """How high the panels are that end in these edges above, and are sewn to others below [cm].
+
+    0 where one of them is not sewn to others below.
+    """
+    names = dict.fromkeys(edge.side.panel for edge in edges)
+    if any(not any(_goes_down(pattern, e, names) for e in pieces[n].edges) for n in names):
+        return 0.0
+    below = {n: [e for e in pieces[n].edges if _goes_down(pattern, e, names)] for n in names}
+    above = {n: [e for e in edges if e.side.panel == n] for n in names}
+    # Curved bands are as high as they are wide in the mean.
+    heights = [
+        2 * pieces[n].area / max(sum(e.length for e in (*above[n], *below[n])), 1e-9) for n in names
+    ]
+    return max(heights, default=0.0)
+
+
+def below_band(
+    pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]
+) -> tuple[WorldEdge, ...]:
+    """The lower edges of the waistband that ends in these edges above."""
+    names = dict.fromkeys(edge.side.panel for edge in edges)
+    return tuple(e for n in names for e in pieces[n].edges if _goes_down(pattern, e, names))
+
+
+def seam_length(pattern: Pattern, edge: WorldEdge) -> float:
+    """Length of an edge, or of what it is gathered to where that is shorter [cm]."""
+    partner = pattern.partners.get(edge.side)
+    return edge.length if partner is None else min(edge.length, pattern.curve(partner).length)
+
+
+def _goes_down(pattern: Pattern, edge: WorldEdge, names: Container[str]) -> bool:
+    """Whether an edge is sewn to what is below a band, none of whose panels it is."""
+    partner = pattern.partners.get(edge.side)
+    return edge.up < 0 and partner is not None and partner.panel not in names

@@ -27,14 +27,18 @@ from jaxtyping import Float
 
 from garmentimage.body.body import Body
 from garmentimage.drape.girths import chest_level, drawn_over, girth, shoulder, waist_height
-from garmentimage.drape.held import Held, Hold, hold_of
+from garmentimage.drape.held import BAND, Held, Hold, hold_of
 from garmentimage.drape.pieces import (
     Piece,
     Points,
+    WorldEdge,
+    band_height,
+    below_band,
     girth_at,
     mean_height,
     parts,
     pieces_of,
+    seam_length,
 )
 from garmentimage.errors import DraftError
 from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side
@@ -42,8 +46,8 @@ from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side
 EASE = 8.0
 """A top edge holds where it is no longer than the body is round there, and this [cm]: a band that
 is held at its height stands off by no more than 1.3 cm all round then."""
-BAND = 12.0
-"""A panel at the top that is lower than this, and sewn to what is below, is a waistband [cm]."""
+FRILL = 25.0
+"""What stands up from the waist, wider at its top, is no higher than this [cm]."""
 BAND_ABOVE = 4.5
 """A waistband goes up from the waist by its height, but no more than this [cm]."""
 ON_HIPS = 0.45
@@ -57,6 +61,8 @@ TIGHT_WITHIN = 14.0
 """What holds a strapless garment lies within this below its top edge [cm]."""
 CROTCH_ROOM = 1.0
 """The crotch of trousers keeps this far below the crotch of the body [cm]."""
+TOUCH = 1.0
+"""A single strap begins so far over the shoulder [cm], as what is held beside it stays where it is."""
 OFF_SHOULDER = 1.3
 """Seams are compared with the shoulders out to this many times the shoulder point's distance."""
 LEVEL_STEP = 1.0
@@ -81,7 +87,9 @@ class Standing:
     panels: frozenset[str]
     """Names of its panels."""
     edges: tuple[Side, ...]
-    """The free edges at its top."""
+    """The edges that are worn at its level: the free edges at its top, as a rule."""
+    seams: tuple[Side, ...]
+    """The sides of its shoulder seams."""
     lifted: float
     """How far up it was moved in all, after scaling [cm]."""
     forward: float
@@ -142,7 +150,8 @@ def _stood(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Standin
         why=hold.why,
         sure=hold.sure,
         panels=frozenset(pieces),
-        edges=tuple(edge.side for edge in hold.edges),
+        edges=tuple(edge.side for edge in place.edges),
+        seams=tuple(side for seam in hold.seams for side in seam.sides),
         lifted=place.up,
         forward=forward,
         scale=scale,
@@ -218,6 +227,7 @@ class _Place:
     """How far up a garment goes, and the fields of `Standing` that say what holds it there."""
 
     up: float
+    edges: tuple[WorldEdge, ...]
     level: float
     length: float = 0.0
     girth: float = 0.0
@@ -229,12 +239,21 @@ def _on_shoulders(
     pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body
 ) -> _Place:
     neck = float(body.landmarks["left_neck_point"][1])
-    over = _over_shoulders(hold.seams, body)
+    over = _over_shoulders([seam.points for seam in hold.seams], body)
     if len(over):
-        return _Place(drawn_over(body) - float(over.min()), neck)
-    # Seams beyond the shoulders, or sleeves that go up to the neckline.
-    top = mean_height(hold.edges) if hold.edges else _highest(pieces)
-    return _Place(neck - top, neck)
+        up = drawn_over(body) - float(over.min())
+    else:
+        # Seams beyond the shoulders, or sleeves that go up to the neckline.
+        up = neck - (mean_height(hold.edges) if hold.edges else _highest(pieces))
+    if _has_one_strap(hold):
+        return _tight_at_chest(pieces, hold.edges, body, up - drawn_over(body) + TOUCH)
+    return _Place(up, hold.edges, neck)
+
+
+def _has_one_strap(hold: Hold) -> bool:
+    """Whether only one shoulder carries it, so that its top edge has to hold it on the other."""
+    middles = [float(seam.points[:, 0].mean()) for seam in hold.seams]
+    return bool(middles) and len({x > 0 for x in middles}) == 1
 
 
 def _over_shoulders(seams: Sequence[Points], body: Body) -> Float[np.ndarray, " n"]:
@@ -242,7 +261,7 @@ def _over_shoulders(seams: Sequence[Points], body: Body) -> Float[np.ndarray, " 
     if not seams:
         return np.empty(0)
     neck, end = body.landmarks["left_neck_point"], shoulder(body)
-    points = np.concatenate(list(seams))
+    points = np.concatenate(seams)
     away = np.abs(points[:, 0])
     on = (away >= neck[0]) & (away <= OFF_SHOULDER * end[0])
     line = np.interp(away[on], [neck[0], end[0]], [neck[1], end[1]])
@@ -256,21 +275,26 @@ def _highest(pieces: Mapping[str, Piece]) -> float:
 def _at_waist(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
     """The top edge at the waist, or as far down as the body is thick enough to hold it."""
     waist, crotch = waist_height(body), float(body.landmarks["crotch"][1])
-    top = mean_height(hold.edges) if hold.edges else _highest(pieces)
-    length, round_waist = sum(e.length for e in hold.edges), girth(body, waist)
+    edges, band = hold.edges, band_height(pattern, pieces, hold.edges)
+    length, round_waist = sum(e.length for e in edges), girth(body, waist)
+    ring = below_band(pattern, pieces, edges) if 0 < band <= FRILL else ()
+    if ring and (narrow := sum(seam_length(pattern, e) for e in ring)) < length - EASE:
+        # A frill is worn by its lower edge.
+        edges, length, band = ring, narrow, 0.0
+    top = mean_height(edges) if edges else _highest(pieces)
     drawn_to = 0.0
-    if length > round_waist + EASE and _has_elastic(pattern, hold):
+    if length > round_waist + EASE and _has_elastic(pattern, edges):
         elastic = round_waist + LEFT_EASE
         drawn_to = elastic if elastic >= DRAWN_TOGETHER * length else 0.0
     levels = np.arange(waist, crotch, -LEVEL_STEP).tolist()
     fits = next((y for y in levels if girth(body, y) >= (drawn_to or length) - EASE), None)
     level = waist if fits is None else fits
     if level == waist:
-        level += _band_height(pattern, pieces, hold)
+        level += min(band, BAND_ABOVE) if band <= BAND else 0.0
     up = level - top
     if hold.crotch is not None:
         up = min(up, crotch - CROTCH_ROOM - hold.crotch)
-    return _Place(up, top + up, length, round_waist, fits is not None, drawn_to)
+    return _Place(up, edges, top + up, length, round_waist, fits is not None, drawn_to)
 
 
 def on_hips(body: Body) -> float:
@@ -278,41 +302,40 @@ def on_hips(body: Body) -> float:
     return ON_HIPS * (waist_height(body) - float(body.landmarks["crotch"][1]))
 
 
-def _has_elastic(pattern: Pattern, hold: Hold) -> bool:
+def _has_elastic(pattern: Pattern, edges: Sequence[WorldEdge]) -> bool:
     """Whether all of the top edge is labelled to be drawn together."""
-    labels = [pattern.by_name[e.side.panel].edges[e.side.edge].label for e in hold.edges]
+    labels = [pattern.by_name[e.side.panel].edges[e.side.edge].label for e in edges]
     return bool(labels) and set(labels) == {ELASTIC}
-
-
-def _band_height(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold) -> float:
-    """How far a waistband goes up from the waist [cm]; 0 without one."""
-    heights = []
-    for name in dict.fromkeys(edge.side.panel for edge in hold.edges):
-        edges = pieces[name].edges
-        points = np.concatenate([edge.points for edge in edges])
-        height = float(np.ptp(points[:, 1]))
-        sewn_below = any(edge.up < 0 and edge.side in pattern.partners for edge in edges)
-        if height > BAND or not sewn_below:
-            return 0.0
-        heights.append(height)
-    return min(max(heights, default=0.0), BAND_ABOVE)
 
 
 def _at_chest(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
     """The top edge over the bust; it holds where the garment is tight enough under it."""
-    level = chest_level(body)
-    edges = hold.edges
+    level, edges = chest_level(body), hold.edges
     if not edges:
-        return _Place(level - _highest(pieces), level)
+        return _Place(level - _highest(pieces), (), level)
+    return _tight_at_chest(
+        pieces, edges, body, level - max(mean_height(edges), _side_height(edges))
+    )
+
+
+def _side_height(edges: Sequence[WorldEdge]) -> float:
+    """Height of a top edge at the wearer's sides [cm]."""
     points = np.concatenate([e.points for e in edges])
-    side = float(points[np.abs(points[:, 0]).argmax(), 1])
-    top = max(mean_height(edges), side)
-    up = level - top
+    return float(points[np.abs(points[:, 0]).argmax(), 1])
+
+
+def _tight_at_chest(
+    pieces: Mapping[str, Piece], edges: tuple[WorldEdge, ...], body: Body, up: float
+) -> _Place:
+    """A garment moved `up` that is held where it is tightest under its top edge at the sides."""
+    side = min(_side_height(edges), chest_level(body) - up)
     heights = np.arange(side - LEVEL_STEP, side - TIGHT_WITHIN, -LEVEL_STEP).tolist()
     widths = [(girth_at(pieces, y), girth(body, y + up)) for y in heights]
-    widths = [(own, around) for own, around in widths if own > 0] or [(0.0, 0.0)]
+    widths = [(own, around) for own, around in widths if own > 0]
+    if not widths:
+        return _Place(up, edges, mean_height(edges) + up)
     length, around = min(widths, key=lambda pair: pair[0] - pair[1])
-    return _Place(up, mean_height(edges) + up, length, around, length <= around + EASE)
+    return _Place(up, edges, mean_height(edges) + up, length, around, length <= around + EASE)
 
 
 # --- Depth ---------------------------------------------------------------------------------------

@@ -13,13 +13,14 @@ from garmentimage.drape.held import Held
 from garmentimage.drape.items import Item, items
 from garmentimage.drape.judge import judge
 from garmentimage.drape.mesh import VERTICES, mesh
+from garmentimage.drape.pieces import parts
 from garmentimage.drape.rest import rest_of
 from garmentimage.drape.solver import Attachment, Settings, solve
 from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
 from garmentimage.drape.tuck import tucked_in
 from garmentimage.drape.worn import Worn
-from garmentimage.errors import DrapeError, check_type
+from garmentimage.errors import DrapeError, check_type, quoted
 from garmentimage.pattern.model import Pattern
 from garmentimage.pattern.placement_check import unknown_place
 
@@ -27,6 +28,9 @@ BELT_STIFFNESS = 1e5
 """With which a belt keeps each vertex at its height [dyn/cm]."""
 BELT_PULL = 3e6
 """With which a belt or an elastic holds a garment up, at most, all round [dyn]: some 3 kg."""
+
+ONE_PLANE = 1.0
+"""Panels whose depths differ by less [cm] all lie on one side of the body."""
 
 
 def drape(
@@ -59,8 +63,9 @@ def drape(
         wrong is returned too.
 
     Raises:
-        DrapeError: a pattern that has no stitches, that has no place or is in other units
-            (`placement_findings`), or that cannot be cut into triangles.
+        DrapeError: a pattern that nothing would hold on a body, as its panels are not sewn or all
+            lie in one plane, that has no place or is in other units (`placement_findings`), or
+            that cannot be cut into triangles.
         DraftError: there is no body of that name, or `made_for` is no stature.
         TypeError: an argument is of another type.
     """
@@ -70,8 +75,8 @@ def drape(
     body = wearer(body)
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
-    _check_sewn(pattern)
     check_placed(pattern)
+    _check_wearable(pattern)
     placed, standings = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     start = start_points(cloth, body, standings)
@@ -122,11 +127,41 @@ def check_worn(worn: Worn) -> None:
         )
 
 
-def _check_sewn(pattern: Pattern) -> None:
+def _check_wearable(pattern: Pattern) -> None:
+    """Refuse what nothing would hold on a body."""
+    name = pattern.name or "the pattern"
     if not pattern.stitches:
+        poncho = len(pattern.panels) == 1 and pattern.panels[0].holes
         raise DrapeError(
-            f"{pattern.name or 'the pattern'} has no stitches, so nothing holds it on a body; "
-            "sew its panels first"
+            f"{name} has no stitches, so nothing holds it on a body; "
+            + (
+                "cut it through the hole into a front and a back, and sew them at the shoulders"
+                if poncho
+                else "sew its panels first"
+            )
+        )
+    for part in parts(pattern):
+        first = quoted(part.panels[0].name)
+        if not part.stitches:
+            raise DrapeError(
+                f"{name}: panel {first} is sewn to nothing, so nothing holds it on a body (stitches "
+                "join edges, they cannot sew a pocket onto cloth); sew it to the garment, or leave "
+                "it out"
+            )
+        points = np.concatenate([p.to_world(p.outline.polygon) for p in part.panels])
+        if np.ptp(points[:, 2]) >= ONE_PLANE:
+            continue
+        own = [s for s in part.stitches if s.a.panel == s.b.panel]
+        if len(part.panels) == 1 and own:
+            raise DrapeError(
+                f"{name}: panel {first} is sewn to itself round the body (edges {own[0].a.edge} and "
+                f"{own[0].b.edge}), and a panel is put on one side of it; cut it into a front and a "
+                "back"
+            )
+        raise DrapeError(
+            f"{name}: the panels of the garment of panel {first} all lie in one plane, so the body "
+            "cannot be between them; place them round the body: fronts before it (z about 20 cm), "
+            "backs behind it (z about -20 cm, turned by 180 degrees about y)"
         )
 
 
