@@ -86,9 +86,10 @@ def joined(*patterns):
 def test_what_hangs_goes_over_what_is_held_unless_it_is_tucked():
     body = load_body()
     both = joined(draft_pattern("tee"), draft_pattern("skirt"))
-    cloth = mesh(standing(both, body)[0], vertices=FEW)
-    start = start_points(cloth, body)
-    over, under = (items(cloth, start, body, tucked=tucked) for tucked in (False, True))
+    placed, standings = standing(both, body)
+    cloth = mesh(placed, vertices=FEW)
+    start = start_points(cloth, body, standings)
+    over, under = (items(cloth, start, body, standings, tucked=tucked) for tucked in (False, True))
     assert [len(i.held) > 0 for i in over] == [True, False]
     assert [len(i.held) > 0 for i in under] == [False, True]
     band = start[over[0].held]

@@ -10,9 +10,8 @@ from garmentimage.body.measure import back_length, shoulder_point, taut_girth, t
 
 BODIES_KEPT, GIRTHS_KEPT = 16, 1024
 """Bodies whose shoulders are kept, and girths of bodies."""
-BACK_NECK_RISE, UNDER_NECK = 2.0, 0.5
-"""The neck points of a pattern lie this far over the nape along its back [cm]; the seam begins this
-much lower, as necklines are wider than the neck. Both as our drafts have them."""
+BACK_NECK_RISE = 2.0
+"""The neck points of a pattern lie this far over the nape along its back [cm], as in our drafts."""
 BUST, OVER_BUST = 0.62, 0.76
 """Heights of the bust points, and of the top edge of strapless clothes, as shares of the way from
 the waist to the shoulder joints."""
@@ -39,7 +38,7 @@ def drawn_over(body: Body) -> float:
     """
     marks = body.landmarks
     waist = float(marks["waist_front"][1])
-    up = back_length(body, float(marks["cervical"][1]), waist) + BACK_NECK_RISE - UNDER_NECK
+    up = back_length(body, float(marks["cervical"][1]), waist) + BACK_NECK_RISE
     return waist + up - float(marks["left_neck_point"][1])
 
 

@@ -1,7 +1,7 @@
 """What holds a garment up, told from what it is and not from where its file puts it.
 
-1. A garment that arms leave through openings of their own hangs from the **shoulders**; so does one
-   whose front and back are sewn together by short seams that face up.
+1. A garment that arms leave through openings of their own hangs from the **shoulders**; so does a
+   poncho, whose seams face up like those of a circle skirt, but whose top edge is shorter.
 2. Any other hangs from the **waist** or, as a strapless dress, from the **chest**: the panels at
    its top are named, its crotch lies nearer or farther below its top, its top edge is too short
    for the chest, or it widens at once, or it is narrow where the waist lies.
@@ -37,11 +37,9 @@ BOTTOM = re.compile(r"skirt|pant|trouser|waist|(^|_)wb(_|$)|leg(_|$)|shorts", re
 """Names of panels whose top edge is worn at the waist."""
 TOP = re.compile(r"torso|bodice|bust|chest|dress|corset|strapless|bandeau", re.IGNORECASE)
 """Names of panels whose top edge is worn at the chest."""
-STRAP_REACH = 35.0
-"""Without armholes, seams that go further out than this [cm] are no straps: the side seams of a
-circle skirt also face up."""
-STEEPEST = 0.6
-"""Nor do such seams fall by more than this on the way out [cm per cm]."""
+TOO_SHORT_AT_WAIST = 0.88
+"""Without armholes, seams that face up are those of a circle skirt, whose top edge is no shorter
+than this share of the waist, or of a poncho."""
 TOP_BAND = 8.0
 """Edges whose tops are within this of the highest are at the top together [cm]."""
 TOO_SHORT = 0.92
@@ -52,10 +50,10 @@ FLARED, FLARED_BELOW = 1.12, 10.0
 """A garment that is so many times as wide as its top edge this far below it [cm] is a skirt."""
 BAND = 12.0
 """Panels at the top that are lower than this are a waistband [cm]."""
-NARROWEST = 0.65
-"""Widths below this share of the top edge are gaps between panels, no waist."""
 WAISTED, WAIST_BELOW = 0.95, (10.0, 35.0)
-"""A garment that is narrower than this share of its top edge so far below it [cm] has a waist."""
+"""A garment that is narrower than this share of its top so far below it [cm] has a waist."""
+HEM = 3.0
+"""Edges that are curved keep within this of their height at the sides [cm]."""
 
 
 class Held(Enum):
@@ -104,8 +102,10 @@ def hold_of(pattern: Pattern, pieces: Mapping[str, Piece], body: Body) -> Hold:
         why = "arms leave it through openings of their own"
         return Hold(Held.SHOULDERS, why, True, edges, seams, crotch)
     named = _named(pattern, edges)
-    if named is None and _are_straps(seams, edges):
-        return Hold(Held.SHOULDERS, "it has shoulder seams", True, edges, seams, crotch)
+    length = sum(edge.length for edge in edges)
+    if named is None and seams and 0 < length < TOO_SHORT_AT_WAIST * girth(body, waist_height(body)):
+        why = f"its seams face up and its top edge of {length:.0f} cm is too short for the waist"
+        return Hold(Held.SHOULDERS, why, False, edges, seams, crotch)
     held, why, sure = named or _waist_or_chest(pattern, pieces, edges, crotch, body)
     return Hold(held, why, sure, edges, (), crotch)
 
@@ -126,24 +126,6 @@ def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
         own = [o for o in sided if side * o.points[:, 0].mean() > 0]
         legs += sorted(own, key=lambda o: o.height)[:1]
     return [o for o in sided if o not in legs]
-
-
-def _are_straps(seams: Sequence[Seam], edges: Sequence[WorldEdge]) -> bool:
-    """Whether seams that face up lie on the shoulders though no armhole is under them.
-
-    The side seams of circle skirts face up, too, but go far out, or from the top edge down.
-    """
-    if not seams or not edges:
-        return False
-    points, top = np.concatenate([seam.points for seam in seams]), mean_height(edges)
-    inner = np.abs(points[:, 0]) < np.median(np.abs(points[:, 0]))
-    fall = points[inner, 1].mean() - points[~inner, 1].mean()
-    run = np.abs(points[~inner, 0]).mean() - np.abs(points[inner, 0]).mean()
-    return bool(
-        np.abs(points[:, 0]).max() < STRAP_REACH
-        and points[:, 1].max() > top
-        and fall < STEEPEST * run
-    )
 
 
 def _shoulder_seams(pattern: Pattern, pieces: Mapping[str, Piece]) -> tuple[Seam, ...]:
@@ -201,15 +183,33 @@ def _waist_or_chest(
         return Held.WAIST, f"its top edge of {length:.0f} cm is too short for the chest", True
     if edges and crotch is not None:
         rise, least = top - crotch, chest_level(body) - float(body.landmarks["crotch"][1])
-        held = Held.WAIST if rise < CROTCH_TO_CHEST * least else Held.CHEST
-        return held, f"its crotch lies {rise:.0f} cm below its top edge", held is in_file
+        why = f"its crotch lies {rise:.0f} cm below its top edge"
+        if rise < CROTCH_TO_CHEST * least:
+            return Held.WAIST, why, True
+        # A low crotch, else.
+        return in_file, why, in_file is Held.CHEST
     if edges and girth_at(pieces, top - FLARED_BELOW) > FLARED * length:
         return Held.WAIST, "it widens at once below its top edge", True
     if 0 < band_height(pattern, pieces, edges) <= BAND:
         return Held.WAIST, "it has a waistband", True
-    levels = top - np.arange(*WAIST_BELOW, 2.0)
-    widths = [g for y in levels.tolist() if (g := girth_at(pieces, y)) > NARROWEST * length]
-    least = min(widths, default=length)
-    if edges and least < WAISTED * min(length, girth_at(pieces, top - 2.0) or length):
-        return Held.CHEST, f"it narrows to {least:.0f} cm below its top edge", in_file is Held.CHEST
+    least = _narrowest(pieces, edges, top)
+    if least is not None:
+        return Held.CHEST, f"it narrows to {least:.0f} cm below its top edge", True
     return in_file, f"its top edge lies {height:.0f} cm over the floor in its file", False
+
+
+def _narrowest(
+    pieces: Mapping[str, Piece], edges: Sequence[WorldEdge], top: float
+) -> float | None:
+    """How wide the panels at the top are where they are narrow as at a waist [cm], if they are.
+
+    Others may lie apart from them in the file, with gaps between.
+    """
+    upper = {edge.side.panel: pieces[edge.side.panel] for edge in edges}
+    heights = {n: np.concatenate([e.points[:, 1] for e in p.edges]) for n, p in upper.items()}
+    lowest = max((float(y.min()) for y in heights.values()), default=top)
+    levels = np.arange(top - WAIST_BELOW[0], max(top - WAIST_BELOW[1], lowest + HEM), -2.0)
+    widths = [girth_at(upper, y) for y in levels.tolist()]
+    if not widths or min(widths) >= WAISTED * girth_at(upper, top - HEM):
+        return None
+    return min(widths)

@@ -11,7 +11,7 @@ moved by itself, not bent:
    than the waist goes down to where the body is thick enough to hold it; trousers that are too
    short go no higher than the crotch lets them.
 3. What is held by the **chest** has its top edge halfway from the bust points to the arms.
-4. Front and back have the middle of the body midway between them.
+4. The body is between front and back, the back close behind it.
 
 It is never moved sideways: a garment may be meant to be unlike on its two sides.
 
@@ -71,6 +71,8 @@ STATURES = (90.0, 230.0)
 """Statures that a pattern may be made for [cm]."""
 DEPTH_GAP = 5.0
 """Panels that lie less far apart in depth [cm] do not tell front from back."""
+DEPTH_ROOM = 3.0
+"""Distance from the body that the plane of the back should have [cm]."""
 DEPTH_END = 0.25
 """The panels in front are those in this share of the depth of the whole garment."""
 
@@ -342,7 +344,10 @@ def _tight_at_chest(
 
 
 def _forward(pieces: Mapping[str, Piece], body: Body, up: float) -> float:
-    """How far the panels must go forward for the body to be midway between front and back [cm]."""
+    """How far the panels must go forward for the body to be between front and back [cm].
+
+    The back comes to lie `DEPTH_ROOM` behind it, or the body midway where there is less room.
+    """
     depths = np.array([piece.centre[2] for piece in pieces.values()])
     areas = np.array([piece.area for piece in pieces.values()])
     heights = np.concatenate([e.points[:, 1] for piece in pieces.values() for e in piece.edges])
@@ -354,7 +359,8 @@ def _forward(pieces: Mapping[str, Piece], body: Body, up: float) -> float:
         float(np.average(depths[at_end], weights=areas[at_end]))
         for at_end in (share >= 1 - DEPTH_END, share <= DEPTH_END)
     )
-    return (low + high) / 2 - (front + back) / 2
+    room = min(DEPTH_ROOM, ((front - back) - (high - low)) / 2)
+    return low - room - back
 
 
 def _body_depths(body: Body, bottom: float, top: float) -> tuple[float, float]:

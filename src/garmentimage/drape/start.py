@@ -24,9 +24,15 @@ from garmentimage.drape.stand import Standing
 
 
 def start_points(
-    cloth: Cloth, body: Body, standings: Sequence[Standing]
+    cloth: Cloth, body: Body, standings: Sequence[Standing] = ()
 ) -> Float[np.ndarray, "vertex 3"]:
-    """Where every vertex begins: halfway between the corners that are sewn into it [cm]."""
+    """Where every vertex begins: halfway between the corners that are sewn into it [cm].
+
+    Args:
+        cloth: the sewn garment, its panels where the body wears them.
+        body: who wears it.
+        standings: where each piece of clothing was put.
+    """
     corners = np.empty((len(cloth.flat), 3))
     for k, panel in enumerate(cloth.pattern.panels):
         own = cloth.panel == k

@@ -36,10 +36,10 @@ class DrapeReport:
     """Connected pieces of clothing."""
     faults: tuple[str, ...]
     """What went wrong, a sentence each; none for a good drape."""
-    notes: tuple[str, ...]
-    """How the garment was put on, where that is not plain; a sentence each."""
     seconds: float
     """Time for mesh and simulation [s]."""
+    notes: tuple[str, ...] = ()
+    """How the garment was put on, where that is not plain; a sentence each."""
 
 
 @dataclass(frozen=True, eq=False)
