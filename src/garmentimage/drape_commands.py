@@ -181,6 +181,8 @@ def worn_from(options: argparse.Namespace) -> "Worn":
             tucked=options.tucked,
             made_for=made_for,
         )
+    for note in worn.report.notes:
+        say(f"note: {shown_path(options.files[0])}: {one_line(note)}")
     accept(worn, options)
     return worn
 

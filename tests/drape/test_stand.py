@@ -140,9 +140,9 @@ def test_an_edge_labelled_for_the_waist_is_drawn_together_as_by_an_elastic():
     body = load_body()
     gathered = draft("skirt", waistband="none", skirt_fullness=1.8)
     _, (report,) = standing(gathered, body)
-    assert report.holds and girth(body, waist_height(body)) < report.drawn_to < report.length
+    assert report.holds and 0 < report.drawn_to < girth(body, waist_height(body))
     _, (plain,) = standing(unnamed(gathered, labels=False), body)
-    assert not plain.holds and plain.drawn_to == 0
+    assert not plain.holds and plain.drawn_to == plain.length
 
 
 @pytest.mark.parametrize("degrees", [60.0, 180.0, 270.0, 350.0])

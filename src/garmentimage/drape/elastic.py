@@ -1,4 +1,4 @@
-"""Elastics: a top edge that is drawn together until it fits the waist."""
+"""Belts and elastics: a top edge that is drawn together until it fits the waist."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,11 +10,11 @@ from garmentimage.drape.rest import Rest
 
 
 def drawn_together(rest: Rest, items: Sequence[Item]) -> Rest:
-    """The cloth with the edges along elastics as long as these are; what hangs below has to fold."""
+    """The cloth with the edges along belts and elastics as long as these are; what hangs below has to fold."""
     length = rest.length
     for item in items:
         standing = item.standing
-        if standing.drawn_to:
+        if 0 < standing.drawn_to < standing.length:
             on = np.zeros(len(rest.vertex_area), bool)
             on[item.top] = True
             along = on[rest.edges].all(axis=1)

@@ -14,7 +14,7 @@ from garmentimage.drape.items import Item
 from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.rest import Rest, most_strain
 from garmentimage.drape.solver import Motion
-from garmentimage.drape.stand import Standing, on_hips
+from garmentimage.drape.stand import EASE, ELASTIC, Standing, on_hips
 from garmentimage.drape.worn import DrapeReport
 
 DEEPEST = 0.5
@@ -108,8 +108,9 @@ def _off(
         if not len(where):
             highest = points[item.vertices, 1].max()
             return max(0.0, float(body.landmarks["left_neck_point"][1] - highest))
+        rests = item.resting if len(item.resting) else where
         off = max(
-            float(np.percentile(above[where], RESTING)), _from_shoulders(points[where], body)
+            float(np.percentile(above[rests], RESTING)), _from_shoulders(points[where], body)
         )
     else:
         where = item.top if len(item.top) else item.vertices
@@ -190,10 +191,13 @@ def _too_wide(standing: Standing) -> str:
     """Why it slid, and what to do, where that is known."""
     if standing.held is Held.SHOULDERS or standing.length <= standing.girth:
         return f" (at most {MOST_SLID:g})"
-    what = "its top edge" if standing.held is Held.WAIST else "under its top edge it"
+    at_waist = standing.held is Held.WAIST
+    what = "its top edge" if at_waist else "under its top edge it"
+    elastic = f", label its edges {ELASTIC!r} for an elastic" if at_waist else ""
     return (
         f": {what} is {standing.length:.0f} cm round, the body's {standing.held.value} "
-        f"{standing.girth:.0f}; take it in, sew it to a shorter band, or choose a larger body"
+        f"{standing.girth:.0f}; take it in, sew it to a shorter band{elastic}, or choose a larger "
+        "body"
     )
 
 
@@ -209,16 +213,19 @@ def _notes(items: tuple[Item, ...], body: Body) -> tuple[str, ...]:
                 "if that is wrong, name the panels at its top, such as skirt_front or bodice_front"
             )
         below = waist_height(body) - standing.level
-        if standing.drawn_to:
+        if 0 < standing.drawn_to < standing.length - EASE:
             notes.append(
                 f"the top edge of {name}, {standing.length:.0f} cm long, is drawn together to "
                 f"{standing.drawn_to:.0f} cm, as by an elastic"
             )
         elif standing.held is Held.WAIST and standing.holds and below > MOST_SLID:
-            notes.append(
-                f"{name} sits on the hips, {below:.0f} cm below the waist: its top edge is "
-                f"{standing.length:.0f} cm round, the body's waist {standing.girth:.0f}"
+            why = (
+                f"its top edge is {standing.length:.0f} cm round, the body's waist "
+                f"{standing.girth:.0f}"
+                if standing.length > standing.girth + EASE
+                else "its crotch would be over the body's"
             )
+            notes.append(f"{name} sits on the hips, {below:.0f} cm below the waist: {why}")
     return tuple(notes)
 
 

@@ -44,17 +44,17 @@ from garmentimage.errors import DraftError
 from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side
 
 EASE = 8.0
-"""A top edge holds where it is no longer than the body is round there, and this [cm]: a band that
-is held at its height stands off by no more than 1.3 cm all round then."""
+"""A belt draws a top edge together by this much at most [cm], so it holds where the edge is no longer
+than the body is round, and this."""
 FRILL = 25.0
 """What stands up from the waist, wider at its top, is no higher than this [cm]."""
 BAND_ABOVE = 4.5
 """A waistband goes up from the waist by its height, but no more than this [cm]."""
 ON_HIPS = 0.45
 """Clothes are worn on the hips down to this share of the way from the waist to the crotch."""
-DRAWN_TOGETHER, LEFT_EASE = 0.48, 2.0
-"""An elastic is as long as the body is round, and `LEFT_EASE` [cm]; it draws cloth together to this
-share of its length at least."""
+DRAWN_TOGETHER, TIGHT = 0.45, 3.0
+"""An elastic draws cloth together to this share of its length at least. At rest, belts and elastics
+are shorter than the body is round by `TIGHT` [cm]."""
 ELASTIC = "waist"
 """Label of an edge that is drawn together at the waist."""
 TIGHT_WITHIN = 14.0
@@ -73,6 +73,8 @@ DEPTH_GAP = 5.0
 """Panels that lie less far apart in depth [cm] do not tell front from back."""
 DEPTH_ROOM = 3.0
 """Distance from the body that the plane of the back should have [cm]."""
+BACK_NEARER = 4.0
+"""The body stands nearer to the back than midway by this at most [cm]."""
 DEPTH_END = 0.25
 """The panels in front are those in this share of the depth of the whole garment."""
 
@@ -107,7 +109,7 @@ class Standing:
     holds: bool
     """Whether its top edge can hold it there."""
     drawn_to: float
-    """Length to which an elastic draws its top edge together [cm]; 0 without one."""
+    """Length to which a belt or an elastic draws its top edge together [cm]; 0 not at the waist."""
 
 
 def standing(
@@ -284,13 +286,13 @@ def _at_waist(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: B
         # A frill is worn by its lower edge.
         edges, length, band = ring, narrow, 0.0
     top = mean_height(edges) if edges else _highest(pieces)
-    drawn_to = 0.0
-    if length > round_waist + EASE and _has_elastic(pattern, edges):
-        elastic = round_waist + LEFT_EASE
-        drawn_to = elastic if elastic >= DRAWN_TOGETHER * length else 0.0
+    shortest = length - EASE
+    if shortest > round_waist and _has_elastic(pattern, edges):
+        shortest = DRAWN_TOGETHER * length
     levels = np.arange(waist, crotch, -LEVEL_STEP).tolist()
-    fits = next((y for y in levels if girth(body, y) >= (drawn_to or length) - EASE), None)
+    fits = next((y for y in levels if girth(body, y) >= shortest), None)
     level = waist if fits is None else fits
+    drawn_to = length if fits is None else min(length, girth(body, fits) - TIGHT)
     if level == waist:
         level += min(band, BAND_ABOVE) if band <= BAND else 0.0
     up = level - top
@@ -346,7 +348,8 @@ def _tight_at_chest(
 def _forward(pieces: Mapping[str, Piece], body: Body, up: float) -> float:
     """How far the panels must go forward for the body to be between front and back [cm].
 
-    The back comes to lie `DEPTH_ROOM` behind it, or the body midway where there is less room.
+    The back comes to lie `DEPTH_ROOM` behind it, or the body midway where there is less room, and
+    nearly midway where there is far more.
     """
     depths = np.array([piece.centre[2] for piece in pieces.values()])
     areas = np.array([piece.area for piece in pieces.values()])
@@ -359,8 +362,8 @@ def _forward(pieces: Mapping[str, Piece], body: Body, up: float) -> float:
         float(np.average(depths[at_end], weights=areas[at_end]))
         for at_end in (share >= 1 - DEPTH_END, share <= DEPTH_END)
     )
-    room = min(DEPTH_ROOM, ((front - back) - (high - low)) / 2)
-    return low - room - back
+    midway = ((front - back) - (high - low)) / 2
+    return low - max(min(DEPTH_ROOM, midway), midway - BACK_NEARER) - back
 
 
 def _body_depths(body: Body, bottom: float, top: float) -> tuple[float, float]:
