@@ -34,7 +34,9 @@ def unnamed(pattern: Pattern, *, labels: bool = True) -> Pattern:
         return Side(names[old.panel], old.edge)
 
     def loop(old: Loop) -> Loop:
-        return old if labels else replace(old, edges=tuple(replace(e, label=None) for e in old.edges))
+        return (
+            old if labels else replace(old, edges=tuple(replace(e, label=None) for e in old.edges))
+        )
 
     return replace(
         pattern,
@@ -75,9 +77,7 @@ def strapless_dress(bust: float, waist: float, *, height: float = 104.0) -> Patt
     return front_and_back(_loop(*corners), ((1, 5), (2, 4), (4, 2), (5, 1)), height)
 
 
-def circle_skirt(
-    degrees: float, *, waist: float, length: float, height: float = 104.0
-) -> Pattern:
+def circle_skirt(degrees: float, *, waist: float, length: float, height: float = 104.0) -> Pattern:
     """A skirt of two parts of a ring, `degrees` of it in all, without a band."""
     half = np.deg2rad(degrees) / 4
     inner = waist / (4 * half)

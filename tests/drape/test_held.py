@@ -9,11 +9,10 @@ import pytest
 
 from garmentimage.body.body import load_body
 from garmentimage.body.measurements import BodyMeasurements, presets
-from garmentimage.body.stance import wearer
 from garmentimage.cli import main
 from garmentimage.draft.kinds import draft
 from garmentimage.drape.field import body_field, empty_field
-from garmentimage.drape.girths import girth, waist_height
+from garmentimage.drape.girths import waist_height
 from garmentimage.drape.items import items
 from garmentimage.drape.judge import MOST_SLID
 from garmentimage.drape.mesh import mesh
@@ -88,7 +87,7 @@ def test_a_strapless_dress_stays_up_only_where_it_is_tight(share):
     if share == 1.0:
         check_worn(found)
         return
-    with pytest.raises(DrapeError, match="from the chest: under its top edge it is .* cm round"):
+    with pytest.raises(DrapeError, match=r"from the chest: under its top edge it is .* cm round"):
         check_worn(found)
 
 
@@ -98,7 +97,9 @@ def test_a_gathered_waist_is_drawn_together_only_where_the_file_says_so():
     check_worn(found)
     assert "elastic" in found.report.notes[0]
     assert body_field(found.body).at(top_edge(found)).mean() < STANDS_OFF
-    assert any("slid" in f for f in drape(unnamed(gathered, labels=False), vertices=FEW).report.faults)
+    assert any(
+        "slid" in f for f in drape(unnamed(gathered, labels=False), vertices=FEW).report.faults
+    )
 
 
 def test_what_hangs_from_the_shoulders_is_measured_there():
@@ -132,7 +133,8 @@ def one_strap() -> Pattern:
         x, y = np.array(panel.outline.vertices).T
         low = y[np.argmax(np.abs(x))]
         vertices = tuple(
-            (float(a), float(min(b, low + 2.0)) if side * a > 2.0 else float(b)) for a, b in zip(x, y)
+            (float(a), float(min(b, low + 2.0)) if side * a > 2.0 else float(b))
+            for a, b in zip(x, y)
         )
         straight = tuple(
             replace(e, curvature=None) if side * vertices[e.start][0] > 2.0 else e
@@ -149,7 +151,9 @@ def two_skirts() -> Pattern:
     inner = replace(
         inner,
         panels=tuple(
-            replace(p, name=f"in {p.name}", translation=(0.0, 104.0, np.sign(p.translation[2]) * 13))
+            replace(
+                p, name=f"in {p.name}", translation=(0.0, 104.0, np.sign(p.translation[2]) * 13)
+            )
             for p in inner.panels
         ),
         stitches=tuple(
@@ -217,8 +221,10 @@ def test_a_belt_pulls_no_harder_than_it_can():
     stiff = np.tile([0.0, 1e9, 0.0], (len(top), 1))
     weight = float(rest.vertex_area.sum()) * SOFT.weight * 981.0
     sunk = [
-        (start - solve(rest, start, FREE, SOFT, attachment=belt, settings=Settings(frames=60)).points)
-        [top, 1].mean()
+        (
+            start
+            - solve(rest, start, FREE, SOFT, attachment=belt, settings=Settings(frames=60)).points
+        )[top, 1].mean()
         for belt in (
             Attachment(top, start[top], stiff, 2 * weight / len(top)),
             Attachment(top, start[top], stiff, 0.5 * weight / len(top)),

@@ -10,7 +10,7 @@ from garmentimage.drape.rest import Rest
 
 
 def drawn_together(rest: Rest, items: Sequence[Item]) -> Rest:
-    """The cloth with the edges along belts and elastics as long as these are; what hangs below has to fold."""
+    """The cloth with its held edges as long as their belts; what hangs below has to fold."""
     length = rest.length
     for item in items:
         standing = item.standing

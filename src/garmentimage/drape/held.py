@@ -103,7 +103,11 @@ def hold_of(pattern: Pattern, pieces: Mapping[str, Piece], body: Body) -> Hold:
         return Hold(Held.SHOULDERS, why, True, edges, seams, crotch)
     named = _named(pattern, edges)
     length = sum(edge.length for edge in edges)
-    if named is None and seams and 0 < length < TOO_SHORT_AT_WAIST * girth(body, waist_height(body)):
+    if (
+        named is None
+        and seams
+        and 0 < length < TOO_SHORT_AT_WAIST * girth(body, waist_height(body))
+    ):
         why = f"its seams face up and its top edge of {length:.0f} cm is too short for the waist"
         return Hold(Held.SHOULDERS, why, False, edges, seams, crotch)
     held, why, sure = named or _waist_or_chest(pattern, pieces, edges, crotch, body)
@@ -192,15 +196,13 @@ def _waist_or_chest(
         return Held.WAIST, "it widens at once below its top edge", True
     if 0 < band_height(pattern, pieces, edges) <= BAND:
         return Held.WAIST, "it has a waistband", True
-    least = _narrowest(pieces, edges, top)
-    if least is not None:
-        return Held.CHEST, f"it narrows to {least:.0f} cm below its top edge", True
+    narrow = _narrowest(pieces, edges, top)
+    if narrow is not None:
+        return Held.CHEST, f"it narrows to {narrow:.0f} cm below its top edge", True
     return in_file, f"its top edge lies {height:.0f} cm over the floor in its file", False
 
 
-def _narrowest(
-    pieces: Mapping[str, Piece], edges: Sequence[WorldEdge], top: float
-) -> float | None:
+def _narrowest(pieces: Mapping[str, Piece], edges: Sequence[WorldEdge], top: float) -> float | None:
     """How wide the panels at the top are where they are narrow as at a waist [cm], if they are.
 
     Others may lie apart from them in the file, with gaps between.

@@ -23,7 +23,6 @@ from garmentimage.drape.held import Held
 from garmentimage.drape.stand import Standing
 from garmentimage.pattern.model import Side
 
-
 LAYER = 2.0
 """Garments whose depths differ by less are drawn on one layer [cm]."""
 

@@ -94,14 +94,12 @@ def _slid(
     return slid
 
 
-def _off(
-    item: Item, points: np.ndarray, start: np.ndarray, above: np.ndarray, body: Body
-) -> float:
+def _off(item: Item, points: np.ndarray, start: np.ndarray, above: np.ndarray, body: Body) -> float:
     """How far an item lies from where the body wears it [cm].
 
     At the waist: how far its top edge lies below the waist, or above where a waistband reaches. At
-    the chest: how far its top edge lies from its height over the bust. On the shoulders: how far the
-    cloth that should lie on them is from their skin, or from the line along them.
+    the chest: how far its top edge lies from its height over the bust. On the shoulders: how far
+    the cloth that should lie on them is from their skin, or from the line along them.
     """
     if item.standing.held is Held.SHOULDERS:
         where = item.seams
@@ -109,9 +107,7 @@ def _off(
             highest = points[item.vertices, 1].max()
             return max(0.0, float(body.landmarks["left_neck_point"][1] - highest))
         rests = item.resting if len(item.resting) else where
-        off = max(
-            float(np.percentile(above[rests], RESTING)), _from_shoulders(points[where], body)
-        )
+        off = max(float(np.percentile(above[rests], RESTING)), _from_shoulders(points[where], body))
     else:
         where = item.top if len(item.top) else item.vertices
         height = max(float(points[where, 1].mean()), 0.0)
@@ -209,7 +205,7 @@ def _notes(items: tuple[Item, ...], body: Body) -> tuple[str, ...]:
         place = standing.held.value
         if not standing.sure:
             notes.append(
-                f"{name} was taken for one that is worn at the {place} only because {standing.why}; "
+                f"{name} was taken for one worn at the {place} only because {standing.why}; "
                 "if that is wrong, name the panels at its top, such as skirt_front or bodice_front"
             )
         below = waist_height(body) - standing.level

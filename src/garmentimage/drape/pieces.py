@@ -48,6 +48,7 @@ class WorldEdge:
 
     @property
     def faces_up(self) -> bool:
+        """Whether its middle faces up."""
         return self.up > FACING
 
 
@@ -65,6 +66,7 @@ class Piece:
 
     @property
     def on_trunk(self) -> bool:
+        """Whether it comes near the middle."""
         return min(float(np.abs(e.points[:, 0]).min()) for e in self.edges) < NEAR_AXIS
 
 
@@ -76,6 +78,7 @@ class Opening:
 
     @cached_property
     def points(self) -> Points:
+        """Points along its edges."""
         return np.concatenate([e.points for e in self.edges])
 
     @cached_property
@@ -85,6 +88,7 @@ class Opening:
 
     @cached_property
     def one_sided(self) -> bool:
+        """Whether it lies on one side of the wearer."""
         low, high = float(self.points[:, 0].min()), float(self.points[:, 0].max())
         return min(-low, high) < OVER_MIDDLE * max(-low, high)
 
@@ -116,9 +120,7 @@ def _piece(panel: Panel) -> Piece:
             points = flat @ matrix[:, :2].T + panel.translation
             edges.append(WorldEdge(Side(panel.name, len(edges)), points, curve.length, up))
     points = np.concatenate([e.points for e in edges])
-    return Piece(
-        panel, tuple(edges), (points.min(0) + points.max(0)) / 2, abs(panel.outline.area)
-    )
+    return Piece(panel, tuple(edges), (points.min(0) + points.max(0)) / 2, abs(panel.outline.area))
 
 
 def parts(pattern: Pattern) -> list[Pattern]:
@@ -223,9 +225,7 @@ def girth_at(pieces: Mapping[str, Piece], height: float) -> float:
     return total
 
 
-def band_height(
-    pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]
-) -> float:
+def band_height(pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]) -> float:
     """How high the panels are that end in these edges above, and are sewn to others below [cm].
 
     0 where one of them is not sewn to others below.

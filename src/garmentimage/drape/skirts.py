@@ -122,7 +122,9 @@ def _round_seam(
     off = np.abs(np.hypot(x - u, y - v) - radius).max() / radius
     bearing = np.arctan2(x - u, v - y)
     least, most = float(min(-bearing.min(), bearing.max())), float(np.abs(bearing).max())
-    hangs = least > (FLARED if panel in tops else HALF_ROUND) and np.abs(bearing).min() < STRAIGHT_DOWN
+    hangs = (
+        least > (FLARED if panel in tops else HALF_ROUND) and np.abs(bearing).min() < STRAIGHT_DOWN
+    )
     if not hangs or off > OUT_OF_ROUND or abs(centre[0] + u) > radius / 2:
         return None
     return _Seam(float(centre[1] + v), radius, most)

@@ -176,7 +176,7 @@ def _refresh(frequency: Float[np.ndarray, " vertex"], step: float) -> int:
 def _held(
     attachment: Attachment | None, inertia: Float[np.ndarray, " vertex"], step: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Held vertices, their targets, the share of the way there that each step goes, at most [cm]."""
+    """Held vertices, targets, the share of the way there that a step goes, its most [cm]."""
     if attachment is None:
         return np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
     vertices = attachment.vertices.astype(np.int64)

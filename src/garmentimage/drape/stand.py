@@ -44,8 +44,8 @@ from garmentimage.errors import DraftError
 from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side
 
 EASE = 8.0
-"""A belt draws a top edge together by this much at most [cm], so it holds where the edge is no longer
-than the body is round, and this."""
+"""A belt draws a top edge together by this much at most [cm], so it holds where the edge is no
+longer than the body is round, and this."""
 FRILL = 25.0
 """What stands up from the waist, wider at its top, is no higher than this [cm]."""
 BAND_ABOVE = 4.5
@@ -62,7 +62,7 @@ TIGHT_WITHIN = 14.0
 CROTCH_ROOM = 1.0
 """The crotch of trousers keeps this far below the crotch of the body [cm]."""
 TOUCH = 1.0
-"""A single strap begins so far over the shoulder [cm], as what is held beside it stays where it is."""
+"""A single strap begins so far over the shoulder [cm]: what is held beside it does not sink."""
 OFF_SHOULDER = 1.3
 """Seams are compared with the shoulders out to this many times the shoulder point's distance."""
 LEVEL_STEP = 1.0
@@ -101,7 +101,7 @@ class Standing:
     scale: float
     """What its lengths were multiplied by."""
     level: float
-    """Height at which it is worn [cm]: of the shoulders' neck points, or the mean of its top edge."""
+    """Height at which it is worn [cm]: of the neck points, or the mean of its top edge."""
     length: float
     """Length of its top edge or, strapless, how wide it is under it, where it is tightest [cm]."""
     girth: float
@@ -239,9 +239,7 @@ class _Place:
     drawn_to: float = 0.0
 
 
-def _on_shoulders(
-    pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body
-) -> _Place:
+def _on_shoulders(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
     neck = float(body.landmarks["left_neck_point"][1])
     over = _over_shoulders([seam.points for seam in hold.seams], body)
     if len(over):

@@ -6,9 +6,9 @@ import numpy as np
 
 from garmentimage.body.body import Body
 from garmentimage.body.stance import wearer
+from garmentimage.drape.elastic import drawn_together
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.field import DistanceField, body_field
-from garmentimage.drape.elastic import drawn_together
 from garmentimage.drape.held import Held
 from garmentimage.drape.items import Item, items
 from garmentimage.drape.judge import judge
@@ -144,9 +144,9 @@ def _check_wearable(pattern: Pattern) -> None:
         first = quoted(part.panels[0].name)
         if not part.stitches:
             raise DrapeError(
-                f"{name}: panel {first} is sewn to nothing, so nothing holds it on a body (stitches "
-                "join edges, they cannot sew a pocket onto cloth); sew it to the garment, or leave "
-                "it out"
+                f"{name}: panel {first} is sewn to nothing, so nothing holds it on a body "
+                "(stitches join edges, they sew no pocket onto cloth); sew it to the garment, or "
+                "leave it out"
             )
         points = np.concatenate([p.to_world(p.outline.polygon) for p in part.panels])
         if np.ptp(points[:, 2]) >= ONE_PLANE:
@@ -154,9 +154,9 @@ def _check_wearable(pattern: Pattern) -> None:
         own = [s for s in part.stitches if s.a.panel == s.b.panel]
         if len(part.panels) == 1 and own:
             raise DrapeError(
-                f"{name}: panel {first} is sewn to itself round the body (edges {own[0].a.edge} and "
-                f"{own[0].b.edge}), and a panel is put on one side of it; cut it into a front and a "
-                "back"
+                f"{name}: panel {first} is sewn to itself round the body (edges {own[0].a.edge} "
+                f"and {own[0].b.edge}), but a panel is put on one side of it; cut it into a front "
+                "and a back"
             )
         raise DrapeError(
             f"{name}: the panels of the garment of panel {first} all lie in one plane, so the body "
