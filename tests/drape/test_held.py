@@ -195,7 +195,7 @@ def square(size: float) -> Loop:
                     for p in draft("tee").panels
                 ),
             ),
-            "lie in one plane",
+            "place them a?round the body",
         ),
         (
             replace(

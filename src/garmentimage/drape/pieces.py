@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from garmentimage.pattern.check import components
 from garmentimage.pattern.model import Panel, Pattern, Side
 
 NEAR_AXIS = 8.0
@@ -125,20 +126,13 @@ def _piece(panel: Panel) -> Piece:
 
 def parts(pattern: Pattern) -> list[Pattern]:
     """The pieces of clothing of a pattern that are not sewn to each other, in the file's order."""
-    root = {panel.name: panel.name for panel in pattern.panels}
-    for stitch in pattern.stitches:
-        _join(root, stitch.a.panel, stitch.b.panel)
-    groups: dict[Any, list[Panel]] = {}
-    for panel in pattern.panels:
-        groups.setdefault(_find(root, panel.name), []).append(panel)
-    return [
-        Pattern(
-            tuple(panels),
-            tuple(s for s in pattern.stitches if _find(root, s.a.panel) == name),
-            pattern.name,
-        )
-        for name, panels in groups.items()
-    ]
+    found = []
+    for names in components(pattern):
+        own = set(names)
+        panels = tuple(panel for panel in pattern.panels if panel.name in own)
+        stitches = tuple(stitch for stitch in pattern.stitches if stitch.a.panel in own)
+        found.append(Pattern(panels, stitches, pattern.name))
+    return found
 
 
 def openings_of(pattern: Pattern, pieces: Mapping[str, Piece]) -> list[Opening]:

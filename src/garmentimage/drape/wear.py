@@ -75,8 +75,9 @@ def drape(
     body = wearer(body)
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
+    _check_sewn(pattern)
     check_placed(pattern)
-    _check_wearable(pattern)
+    _check_surrounding(pattern)
     placed, standings = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     start = start_points(cloth, body, standings)
@@ -127,8 +128,8 @@ def check_worn(worn: Worn) -> None:
         )
 
 
-def _check_wearable(pattern: Pattern) -> None:
-    """Refuse what nothing would hold on a body."""
+def _check_sewn(pattern: Pattern) -> None:
+    """Refuse a pattern with a piece that no stitch holds."""
     name = pattern.name or "the pattern"
     if not pattern.stitches:
         poncho = len(pattern.panels) == 1 and pattern.panels[0].holes
@@ -148,6 +149,13 @@ def _check_wearable(pattern: Pattern) -> None:
                 "(stitches join edges, they sew no pocket onto cloth); sew it to the garment, or "
                 "leave it out"
             )
+
+
+def _check_surrounding(pattern: Pattern) -> None:
+    """Refuse clothes whose panels all lie on one side of the body."""
+    name = pattern.name or "the pattern"
+    for part in parts(pattern):
+        first = quoted(part.panels[0].name)
         points = np.concatenate([p.to_world(p.outline.polygon) for p in part.panels])
         if np.ptp(points[:, 2]) >= ONE_PLANE:
             continue
