@@ -14,7 +14,7 @@ from garmentimage.drape.items import Item
 from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.rest import Rest, most_strain
 from garmentimage.drape.solver import Motion
-from garmentimage.drape.stand import EASE, ELASTIC, Standing, on_hips
+from garmentimage.drape.stand import EASE, ELASTIC, TIGHT, Standing, on_hips
 from garmentimage.drape.worn import DrapeReport
 
 DEEPEST = 0.5
@@ -209,7 +209,7 @@ def _notes(items: tuple[Item, ...], body: Body) -> tuple[str, ...]:
                 "if that is wrong, name the panels at its top, such as skirt_front or bodice_front"
             )
         below = waist_height(body) - standing.level
-        if 0 < standing.drawn_to < standing.length - EASE:
+        if 0 < standing.drawn_to < standing.length - EASE - TIGHT:
             notes.append(
                 f"the top edge of {name}, {standing.length:.0f} cm long, is drawn together to "
                 f"{standing.drawn_to:.0f} cm, as by an elastic"

@@ -290,7 +290,9 @@ def _at_waist(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: B
     levels = np.arange(waist, crotch, -LEVEL_STEP).tolist()
     fits = next((y for y in levels if girth(body, y) >= shortest), None)
     level = waist if fits is None else fits
-    drawn_to = length if fits is None else min(length, girth(body, fits) - TIGHT)
+    # What is shorter than the body is round is tight already.
+    loose = fits is not None and length > girth(body, level)
+    drawn_to = girth(body, level) - TIGHT if loose else length
     if level == waist:
         level += min(band, BAND_ABOVE) if band <= BAND else 0.0
     up = level - top
