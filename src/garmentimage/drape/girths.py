@@ -11,8 +11,8 @@ from garmentimage.body.measure import back_length, shoulder_point, taut_girth, t
 BODIES_KEPT, GIRTHS_KEPT = 16, 1024
 """Bodies whose shoulders are kept, and girths of bodies."""
 BACK_NECK_RISE = 1.75
-"""The inner ends of shoulder seams lie this far over the nape along the back [cm]: as in our drafts,
-where that is 2 cm at the neck itself, and necklines are a little wider."""
+"""The inner ends of shoulder seams lie this far over the nape along the back [cm]: as in our
+drafts, where that is 2 cm at the neck itself, and necklines are a little wider."""
 BUST, OVER_BUST = 0.62, 0.76
 """Heights of the bust points, and of the top edge of strapless clothes, as shares of the way from
 the waist to the shoulder joints."""

@@ -26,8 +26,8 @@ MOST_SLID = 3.0
 HIGH_WAIST = 8.0
 """A top edge at the waist may lie this far above it [cm], as those of waistbands do."""
 SPACING = 4.0
-"""Cloth lies on the shoulders where a vertex is no further from their line than this [cm]: seams are
-moved to the back or to the front of them, and vertices lie 3 cm apart."""
+"""Cloth lies on the shoulders where a vertex is no further from their line than this [cm]: seams
+are moved to the back or to the front of them, and vertices lie 3 cm apart."""
 RESTING = 25
 """So many percent of the cloth over the shoulders should rest on them; a hood's does not all."""
 
