@@ -48,6 +48,10 @@ class Curve(Protocol):
         """The same curve walked the other way."""
 
     @property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured."""
+
+    @property
     def length(self) -> float:
         """Length along the curve."""
 
@@ -64,9 +68,13 @@ class _Measured:
     is_straight = False
 
     @cached_property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured: the two ends of a line, `CHORDS` + 1 points else."""
+        return self.at(_ENDS if self.is_straight else _TABLE_PARAMETERS)  # type: ignore[attr-defined, no-any-return]
+
+    @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
-        t = _ENDS if self.is_straight else _TABLE_PARAMETERS
-        return t, lengths_along(self.at(t))  # type: ignore[attr-defined]
+        return _ENDS if self.is_straight else _TABLE_PARAMETERS, lengths_along(self.polyline)
 
     @property
     def length(self) -> float:

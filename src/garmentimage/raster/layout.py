@@ -85,7 +85,8 @@ def layouts(complex: SeamComplex) -> Iterator[Layout]:
         raise EncodeError(
             f"the pattern has {len(complex.arcs)} edges and seams, {len(panel.curves)} of them "
             f"round panel {panel.source[:80]!r}; an image has room for {MOST_ARCS}: join edges "
-            "that go on smoothly, or leave loose panels out"
+            "that go on smoothly, or leave loose panels out",
+            remedy="pattern",
         )
     desk = _Desk(complex)
     faulty = []

@@ -60,7 +60,8 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
     if width * height > MOST_VERTICES:
         raise EncodeError(
             f"the garment spreads over {width // fine} x {height // fine} cells; "
-            "check the units and the placement of its panels"
+            "check the units and the placement of its panels",
+            remedy="pattern",
         )
     starts = np.concatenate([[0], np.cumsum([len(c) for c in drawing.curves])])
     wished = drawing.node_target * fine - low
