@@ -39,6 +39,8 @@ def lost_shape(complex_: SeamComplex, paths: list[Path]) -> str:
         area = abs(signed_area(panel.outline))
         all_round = 0.0
         for edge, curve in enumerate(panel.curves):
+            if len(curve) < 3:
+                continue
             count = counts[index, edge]
             lost, sliver = chord_loss(curve, _chords(count))
             length = polyline_length(curve)
