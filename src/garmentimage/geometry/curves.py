@@ -22,6 +22,17 @@ _TABLE_PARAMETERS = np.linspace(0.0, 1.0, CHORDS + 1)
 _ENDS = np.array([0.0, 1.0])
 
 
+def _weights(t: Float[np.ndarray, " n"], controls: int) -> Float[np.ndarray, "n point"]:
+    """Bernstein polynomials of a Bezier curve with one or two control points."""
+    u = 1 - t
+    if controls == 1:
+        return np.stack([u * u, 2 * t * u, t * t], axis=1)
+    return np.stack([u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t], axis=1)
+
+
+_TABLE_WEIGHTS = {controls: _weights(_TABLE_PARAMETERS, controls) for controls in (1, 2)}
+
+
 @runtime_checkable
 class Curve(Protocol):
     """What every curve here can do."""
@@ -108,6 +119,11 @@ class Line(_Measured):
         return (1 - t) * np.array(self.start) + t * np.array(self.end)
 
     @cached_property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured."""
+        return np.array([self.start, self.end], float)
+
+    @cached_property
     def length(self) -> float:  # type: ignore[override]
         """Length along the curve."""
         return hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
@@ -142,13 +158,12 @@ class Bezier(_Measured):
 
     def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]:
         """Points at the parameters `t`."""
-        t = np.asarray(t, float)
-        u = 1 - t
-        if len(self.controls) == 1:
-            weights = [u * u, 2 * t * u, t * t]
-        else:
-            weights = [u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t]
-        return np.stack(weights, axis=1) @ self.points
+        return _weights(np.asarray(t, float), len(self.controls)) @ self.points
+
+    @cached_property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured."""
+        return _TABLE_WEIGHTS[len(self.controls)] @ self.points
 
     def split(self, t: float) -> tuple["Bezier", "Bezier"]:
         """The two parts before and after `t` (de Casteljau)."""
