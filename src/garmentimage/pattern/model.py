@@ -16,7 +16,7 @@ Words of this file:
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -156,8 +156,9 @@ class Panel:
         return np.asarray(points, float) @ self.matrix[:, :2].T + np.array(self.translation)
 
 
-class Side(NamedTuple):
-    """One edge of one panel, as a stitch names it; a tuple, since sides are looked up all the time."""
+@dataclass(frozen=True)
+class Side:
+    """One edge of one panel, as a stitch names it."""
 
     panel: str
     edge: int
