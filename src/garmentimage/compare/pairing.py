@@ -23,7 +23,16 @@ from garmentimage.compare.matching import (
     nearness,
 )
 from garmentimage.compare.stitch_graph import StitchGraph, match_graphs, stitch_graph
-from garmentimage.pattern.model import Circle, Cubic, Curvature, Loop, Panel, Pattern, Quadratic
+from garmentimage.pattern.model import (
+    Circle,
+    Cubic,
+    Curvature,
+    Loop,
+    Panel,
+    Pattern,
+    Quadratic,
+    euler_angles,
+)
 
 ALIKE = 0.02
 """Poses whose IoU is less by no more than this fit as well: how the panels stand decides."""
@@ -37,10 +46,7 @@ class Pairing:
     """Two garments, panel by panel."""
 
     found: Pattern
-    """The found garment, its panels drawn in the poses of their counterparts; where they stand
-    is that of the garment as it was found, not of these panels."""
-    poses: Mapping[str, int]
-    """For each paired panel of the found garment the index of the pose in `POSES`."""
+    """The found garment, its panels drawn in frames that lie as those of their counterparts."""
     matching: Matching
     """Of the true garment and `found`."""
     graphs: tuple[StitchGraph, StitchGraph]
@@ -77,19 +83,26 @@ def pair_garments(truth: Pattern, found: Pattern) -> Pairing:
     paired = dict(same) if same is not None else paired
     poses = _poses(truth, found, paired, iou)
     seen = replace(
-        found, panels=tuple(posed_panel(p, POSES[poses.get(p.name, 0)]) for p in found.panels)
+        found,
+        panels=tuple(
+            posed_panel(p, POSES[poses[p.name]]) if poses.get(p.name) else p for p in found.panels
+        ),
     )
-    return Pairing(seen, poses, matching_from(truth, seen, paired), graphs, same is not None)
+    return Pairing(seen, matching_from(truth, seen, paired), graphs, same is not None)
 
 
 def posed_panel(panel: Panel, pose: Float[np.ndarray, "2 2"]) -> Panel:
-    """The same piece of cloth, its own coordinates mirrored or turned.
+    """The same panel at the same place, its own coordinates mirrored or turned.
 
-    Its place is not changed to make up for it.
+    Args:
+        panel: grain lines are left as they are.
+        pose: the new coordinates are `pose` @ the old ones; orthogonal.
     """
     mirrored = bool(np.linalg.det(pose) < 0)
     outline, *holes = (_posed_loop(loop, pose, mirrored=mirrored) for loop in panel.loops)
-    return replace(panel, outline=outline, holes=tuple(holes))
+    axes = panel.matrix[:, :2] @ pose.T
+    matrix = np.column_stack([axes, np.cross(axes[:, 0], axes[:, 1])])
+    return replace(panel, outline=outline, holes=tuple(holes), rotation=euler_angles(matrix))
 
 
 def _posed_loop(loop: Loop, pose: np.ndarray, *, mirrored: bool) -> Loop:

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.compare.matching import POSES, aligned_points, loop_polygon
+from garmentimage.compare.matching import aligned_points, loop_polygon
 from garmentimage.compare.pairing import pair_garments
 from garmentimage.compare.validity import (
     drawing_faults,
@@ -131,7 +131,7 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
     matching, seen = pairing.matching, pairing.found
     pairs = [(truth.by_name[p.a], seen.by_name[p.b]) for p in matching.pairs]
     counts = [len(a.edges) == len(b.edges) for a, b in pairs]
-    turns, moves = zip(*(_standing_apart(a, b, pairing.poses[b.name]) for a, b in pairs))
+    turns, moves = zip(*(_standing_apart(a, b) for a, b in pairs))
     is_valid = not structure_faults(found) and not ratio_faults(pairing.graphs[1])
     by_edge, by_length = _stitch_scores(truth, seen, matching.panel_map)
     return Likeness(
@@ -190,15 +190,16 @@ def likeness_summary(
 # --- Places -----------------------------------------------------------------------------------
 
 
-def _standing_apart(a: Panel, b: Panel, pose: int) -> tuple[float, float]:
+def _standing_apart(a: Panel, b: Panel) -> tuple[float, float]:
     """Angle [degree] and distance of middles [cm] between two panels that stand at a body.
 
-    What is turned is the outline of `a`, to where the outline of `b` is, which is drawn in a pose.
+    What is turned is the outline of `a`, to where the outline of `b` is.
     """
     from scipy.spatial.transform import Rotation
 
-    ours, theirs = aligned_points(a, b)
-    ours, theirs = a.to_world(ours), b.to_world(theirs @ POSES[pose])
+    ours, theirs = (
+        panel.to_world(points) for panel, points in zip((a, b), aligned_points(a, b), strict=True)
+    )
     apart = float(np.linalg.norm(ours.mean(0) - theirs.mean(0)))
     ours, theirs = ours - ours.mean(0), theirs - theirs.mean(0)
     if np.abs(theirs).max() < 1e-6:  # a panel of no size stands in no direction
