@@ -15,6 +15,7 @@ from garmentimage.compare.stitch_graph import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
 from garmentimage.geometry.polygons import centroid, resample, signed_area
 from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.turned import turned_over
 from garmentimage.raster.attempts import drawings, trials
 from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.complex import SeamComplex, seam_complex
@@ -47,7 +48,8 @@ def encode(
     stay cut, and names and frames of panels are forgotten.
 
     Args:
-        pattern: the garment; placement decides which layer a panel lies on.
+        pattern: the garment; placement decides which layer a panel lies on. One that is drawn
+            inside out, all loops clockwise seen from outside the body, is turned over.
         grid: cells along each side, N.
         frame: where the grid lies on the body; default: the standard frame of this grid, which
             is what makes images of different garments comparable.
@@ -66,7 +68,11 @@ def encode(
     check_type(grid, Integral, "give the number of cells along each side")
     if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
         raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
-    layouts_ = _Kept(layouts(seam_complex(place(pattern))))
+    placed = place(pattern)
+    if all(panel.sign != panel.outward for panel in placed.panels):
+        pattern = turned_over(pattern)
+        placed = place(pattern)
+    layouts_ = _Kept(layouts(seam_complex(placed)))
     graph = stitch_graph(pattern) if verify else None
     if frame is not None:
         return _encode(pattern, graph, layouts_, frame)

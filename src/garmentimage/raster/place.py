@@ -78,6 +78,11 @@ class PlacedPanel:
     where the panel was cut."""
 
     @property
+    def outward(self) -> int:
+        """`sign` of a panel whose right side faces away from the body."""
+        return 1 if self.layer == FRONT else -1
+
+    @property
     def outline(self) -> Float[np.ndarray, "n 2"]:
         """The outer loop as a polygon, not closed."""
         return np.concatenate([self.curves[k][:-1] for k in self.loops[0]])
