@@ -50,9 +50,7 @@ class EncodeError(GarmentImageError, ValueError):
     what may help: no grid is tried for what only another pattern can mend.
     """
 
-    def __init__(
-        self, message: str, *, grid: int | None = None, remedy: Remedy = "grid"
-    ) -> None:
+    def __init__(self, message: str, *, grid: int | None = None, remedy: Remedy = "grid") -> None:
         super().__init__(message)
         self.grid = grid
         self.remedy: Remedy = remedy

@@ -21,7 +21,9 @@ COARSE = 2
 """Every so manyth point of a curve stands for it: a ruffle of 3 m loses 1 % of its area so."""
 
 
-def surely_same(original: Pattern, decoded: Pattern, graphs: tuple[StitchGraph, StitchGraph]) -> bool:
+def surely_same(
+    original: Pattern, decoded: Pattern, graphs: tuple[StitchGraph, StitchGraph]
+) -> bool:
     """Whether `judge` would say that `decoded` is `original`, each panel under its own name.
 
     False says nothing: only `judge` knows then.

@@ -145,7 +145,8 @@ def _poses(
     truth: Pattern, found: Pattern, paired: Mapping[str, str], iou: np.ndarray
 ) -> dict[str, int]:
     """For each paired panel of `found` the pose that fits best; of several the one that stands
-    most as its counterpart does."""
+    most as its counterpart does.
+    """
     number = {panel.name: j for j, panel in enumerate(found.panels)}
     poses = {}
     for i, panel in enumerate(truth.panels):

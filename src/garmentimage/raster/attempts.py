@@ -7,8 +7,6 @@ the lattice of the image. Each step keeps the drawing valid.
 from collections.abc import Iterable, Iterator
 from itertools import islice
 
-import numpy as np
-
 from garmentimage.errors import EncodeError, quoted
 from garmentimage.raster.canonical import canonical
 from garmentimage.raster.compact import compact
@@ -65,7 +63,9 @@ def drawings(
                 yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
                 crossing = _crossing(layout) if error.remedy == "grid" else ""
-                yield EncodeError(f"{error}{crossing}", remedy="either" if crossing else error.remedy)
+                yield EncodeError(
+                    f"{error}{crossing}", remedy="either" if crossing else error.remedy
+                )
 
 
 def _crossing(layout: Layout) -> str:

@@ -162,7 +162,8 @@ def _with_link(drawing: Drawing, layer: int, node: int) -> Drawing:
             best = (gap, first, second)
     if best is None:
         raise EncodeError(
-            f"{len(star)} seams meet in one point; a lattice point has room for four", remedy="either"
+            f"{len(star)} seams meet in one point; a lattice point has room for four",
+            remedy="either",
         )
     _, first, second = best
     new = len(drawing.node_target)

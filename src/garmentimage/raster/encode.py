@@ -147,7 +147,9 @@ def _encode(
                 raise EncodeError(reason)
             except EncodeError as error:
                 first = first or error
-        for paths in drawn if graph is not None else ():
+        if graph is None:
+            continue
+        for paths in drawn:
             found = _bowed_image(pattern, graph, layout.complex, paths, frame)
             if found is not None:
                 return found

@@ -20,7 +20,7 @@ from garmentimage.pattern.model import Pattern
 from garmentimage.raster.image import GarmentImage
 
 Bows = dict[tuple[str, int | None], float]
-"""For edges (panel, edge number): how much farther than on the edge its points lie off its chord."""
+"""For edges (panel, edge number): how many times as far as on the edge points lie off its chord."""
 
 BOW_LIMIT = 2.0
 """A bend that must reach more than this many times as far is another shape: it is not bowed."""
@@ -60,7 +60,9 @@ def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Dispr
         return Disproof()
     reason, *others = result.reasons
     more = f" (and {len(others)} more)" if others else ""
-    return Disproof(f"its image does not bring it back: {reason}{more}", _bows(pattern, graph, back))
+    return Disproof(
+        f"its image does not bring it back: {reason}{more}", lengthening(pattern, graph, back)
+    )
 
 
 def bowed(points: Float[np.ndarray, "n 2"], bow: float) -> Float[np.ndarray, "n 2"]:
@@ -70,7 +72,7 @@ def bowed(points: Float[np.ndarray, "n 2"], bow: float) -> Float[np.ndarray, "n 
     return chord + bow * (points - chord)
 
 
-def _bows(pattern: Pattern, graph: StitchGraph, back: StitchGraph) -> Bows:
+def lengthening(pattern: Pattern, graph: StitchGraph, back: StitchGraph) -> Bows:
     """What would bring back the lengths of seams; nothing where more than lengths differ.
 
     For a flat bend of width w the length l is about sqrt(w² + h²), h growing as the bend does.
