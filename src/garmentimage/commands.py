@@ -147,6 +147,12 @@ def _encode_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="a pattern (JSON)")
     _add_out(parser, "OUT.npz", "the image; .npy writes the layout of the GarmentImage authors")
     _add_grid(parser)
+    parser.add_argument(
+        "--no-verify",
+        dest="verify",
+        action="store_false",
+        help="do not decode the image to see whether it brings the pattern back",
+    )
 
 
 def _encode(options: argparse.Namespace) -> Exit:
@@ -157,7 +163,7 @@ def _encode(options: argparse.Namespace) -> Exit:
     pattern, found = _read_pattern(options.file)
     warn(options.file, found)
     with errors_about(options.file):
-        image = encode(pattern, grid=options.grid)
+        image = encode(pattern, grid=options.grid, verify=options.verify)
     save_image(image, options.out)
     print_written(options, _image_facts(image))
     return Exit.OK

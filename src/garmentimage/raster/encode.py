@@ -7,6 +7,7 @@ a seam the same grid edges. That it is the image of *this* pattern is proven by 
 """
 
 from collections.abc import Iterator
+from math import dist
 from numbers import Integral
 
 import numpy as np
@@ -25,7 +26,7 @@ from garmentimage.raster.drawing import Path
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import Division, EdgeType, GarmentImage, PanelMark
 from garmentimage.raster.layout import Layout, layouts
-from garmentimage.raster.place import PlacedPanel, place
+from garmentimage.raster.place import Placed, PlacedPanel, place
 from garmentimage.raster.proof import Bows, bowed, disproof
 from garmentimage.raster.shapes import lost_shape
 
@@ -33,6 +34,9 @@ GRIDS = (8, 128)
 """Smallest and largest grid that can be encoded to."""
 LARGER_GRIDS = (32, 64)
 """Grids that are tried to say which one would do."""
+TUBE_SHARE = 0.5
+"""A panel whose sewn sides lie farther apart than this share of its size makes a tube: to bring
+them together flat, as those of a ring or a dart, would tear it."""
 BOWINGS = 5
 """Rounds in which bends are bowed until their seams come back as long as they should."""
 
@@ -91,13 +95,16 @@ def encode(
                 f"{error}; it fits a grid of {larger}: --grid {larger}, or grid={larger} in Python",
                 grid=larger,
             ) from None
-        raise _final(error, tried, graph or stitch_graph(pattern)) from None
+        raise _final(error, tried, placed, graph or stitch_graph(pattern)) from None
 
 
-def _final(error: EncodeError, tried: list[int], graph: StitchGraph) -> EncodeError:
+def _final(error: EncodeError, tried: list[int], placed: Placed, graph: StitchGraph) -> EncodeError:
     """The error where no grid will do: it names the cause, which may not be the grid at all."""
-    for k, side in enumerate(graph.sides):
-        if graph.sides[side.partner].panel == side.panel and not graph.is_dart(k):
+    whole = {panel.source for panel in placed.panels if not panel.half}
+    for side in graph.sides:
+        other = graph.sides[side.partner]
+        apart = dist(side.middle, other.middle) > TUBE_SHARE * graph.panels[side.panel].size
+        if other.panel == side.panel and side.panel in whole and apart:
             return EncodeError(
                 f"panel {quoted(side.panel)} is sewn to itself to a tube, which does not lie flat; "
                 "cut it into a front and a back panel",
