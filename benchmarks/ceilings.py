@@ -80,7 +80,7 @@ def ceiling(garments: list[Pattern], grid: int) -> dict:
             cut += 1
             continue
         rows.append(figures(truth, gi.decode(image.without_marks())))
-    names = list(rows[0]) if rows else []
+    names = list(dict.fromkeys(name for row in rows for name in row))
     known = {n: [row[n] for row in rows if row.get(n) is not None] for n in names}
     means = {n: round(float(np.nanmean(v)), 4) for n, v in known.items() if not np.isnan(v).all()}
     return {"garments": len(garments), "refused": refused, "cut": cut, "figures": means}
