@@ -29,6 +29,7 @@ MARK = PanelMark(
     split_of="whole \ud800",
     label="body",
     grain=(0.0, 1.0),
+    divisions=((2, 5, 0, (0.25, 0.5)), (2, 5, 3, (1.0,))),
 )
 
 in_one_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -200,7 +200,8 @@ def sample(values, origin, per_cell, x, y, z):
     u = min(max((x - origin[0]) * per_cell, 0.0), nx - 1.0)
     v = min(max((y - origin[1]) * per_cell, 0.0), ny - 1.0)
     w = min(max((z - origin[2]) * per_cell, 0.0), nz - 1.0)
-    i, j, k = min(int(u), nx - 2), min(int(v), ny - 2), min(int(w), nz - 2)
+    # What is no number is taken to lie at the grid's corner: its index must not leave the array.
+    i, j, k = max(min(int(u), nx - 2), 0), max(min(int(v), ny - 2), 0), max(min(int(w), nz - 2), 0)
     u, v, w = u - i, v - j, w - k
     low00, low01 = values[i, j, k], values[i, j, k + 1]
     low10, low11 = values[i, j + 1, k], values[i, j + 1, k + 1]

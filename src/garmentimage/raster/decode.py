@@ -178,6 +178,7 @@ def unfold_cells(
     """
     from scipy.linalg import solveh_banded
 
+    assert len(positions) == mesh.vertex_count and len(vectors) == len(mesh.cells)
     bottom_left, bottom_right, top_right, top_left = mesh.corner_ids.T
     start = np.concatenate([bottom_left, bottom_right, top_left, bottom_left])
     end = np.concatenate([bottom_right, top_right, top_right, top_left])
