@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -50,7 +51,7 @@ def traced(pattern: Pattern, step: float) -> Pattern:
 
     def cut(side: Side, curve: Curve) -> list[tuple[Curve, bool]]:
         points = [(float(x), float(y)) for x, y in curve.sample(count(side))]
-        return [(Line(a, b), True) for a, b in zip(points, points[1:])]
+        return [(Line(a, b), True) for a, b in pairwise(points)]
 
     return recut(pattern, cut)
 

@@ -44,15 +44,16 @@ def tiny_edges(rng):
 
 
 def tiny_seams(rng):
-    """An edge and its partner cut near an end: the short parts are sewn too."""
+    """An edge and its partner cut near an end: the short parts are sewn too, or to a long one."""
     pattern = some(rng)
     stitch = pattern.stitches[rng.integers(len(pattern.stitches))]
-    size = 10 ** rng.uniform(-6, -1)
+    tiny, other = 10 ** rng.uniform(-6, -1, 2)
+    size = {stitch.a: tiny, stitch.b: rng.choice([tiny, other, 5.0])}
 
     def cut(side, curve):
         if side not in stitch.sides:
             return [(curve, True)]
-        share = size / curve.length
+        share = min(size[side] / curve.length, 0.5)
         at = share if side == stitch.a or stitch.same_direction else 1 - share
         return [(part, True) for part in curve.split(curve.parameter(at))]
 
@@ -75,6 +76,7 @@ def near_corners(rng):
 
 def two_panels(points, ratio=1.0):
     """Front and back of one outline, sewn along two edges; the back wider by a factor."""
+
     def panel(name, outline, z, turn):
         corners = [tuple(map(float, p)) for p in outline]
         lines = [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1])]
@@ -134,9 +136,7 @@ def heaped(rng):
     first = pattern.panels[0]
     whole = rng.random() < 0.5
     panels = [
-        replace(p, translation=first.translation, rotation=first.rotation)
-        if whole or k == 1
-        else p
+        replace(p, translation=first.translation, rotation=first.rotation) if whole or k == 1 else p
         for k, p in enumerate(pattern.panels)
     ]
     return replace(pattern, panels=tuple(panels))

@@ -110,9 +110,10 @@ def apexes(pattern, panel):
     """Where two edges meet that are sewn to each other."""
     for k, edge in enumerate(panel.edges):
         partner = pattern.partners.get(Side(panel.name, k))
-        if partner is not None and partner.panel == panel.name:
-            if panel.edges[partner.edge].start == edge.end:
-                yield panel.curves[k].end
+        if partner is None or partner.panel != panel.name:
+            continue
+        if panel.edges[partner.edge].start == edge.end:
+            yield panel.curves[k].end
 
 
 def test_outlines_that_zigzag_keep_their_corners():
@@ -131,9 +132,7 @@ def test_where_a_seam_is_divided_unevenly_its_joints_stay():
         points = [(float(v), 0.0) for v in x] + [(float(x[-1]), 30.0), (float(x[0]), 30.0)]
         curves = [Line(a, b) for a, b in pairwise([*points, points[0]])]
         panels.append(Panel(name, loop_from_curves(curves), (), (0.0, 60.0, 0.0)))
-    sewn = [
-        Stitch(Side("front", k), Side("back", k), same_direction=True) for k in range(18)
-    ]
+    sewn = [Stitch(Side("front", k), Side("back", k), same_direction=True) for k in range(18)]
     joints = find_joints(Pattern(tuple(panels), tuple(sewn)))
     kept = set(range(1, 18)) - {side.edge for side in joints.open if side.panel == "front"}
     assert {6, 12} <= kept and len(kept) < 9

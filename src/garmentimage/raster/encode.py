@@ -53,6 +53,8 @@ LAST_LAYOUTS = 3
 """... on so many of them."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
+SLIT_CM = 1.0
+"""Free edges shorter than this [cm] are pointed out where a garment cannot be drawn."""
 LARGER_GRIDS = (32, 64)
 """Grids that are tried to say which one would do."""
 
@@ -170,7 +172,20 @@ def _crossing(layout: Layout) -> str:
                 f" (laid flat, seams of panels {', '.join(map(quoted, names))} cross; leave a "
                 "panel out or check where it is placed)"
             )
-    return ""
+    return _slit(layout.complex)
+
+
+def _slit(complex_: SeamComplex) -> str:
+    """For a message: the shortest free edge, where it is too short to be meant for an opening."""
+    free = [arc for arc in complex_.arcs if arc.kind == EdgeType.NON_STITCH]
+    arc = min(free, key=lambda arc: arc.length, default=None)
+    if arc is None or arc.length >= SLIT_CM:
+        return ""
+    name = complex_.placed.panels[arc.sides[0][0]].source
+    return (
+        f" (panel {quoted(name)} has a free edge of only {arc.length:.2g} cm; a grid has no room "
+        "for so small an opening: sew it, or leave it out)"
+    )
 
 
 def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> list[Path]:
