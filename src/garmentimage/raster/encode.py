@@ -177,14 +177,20 @@ def _crossing(layout: Layout) -> str:
 
 def _slit(complex_: SeamComplex) -> str:
     """For a message: the shortest free edge, where it is too short to be meant for an opening."""
-    free = [arc for arc in complex_.arcs if arc.kind == EdgeType.NON_STITCH]
-    arc = min(free, key=lambda arc: arc.length, default=None)
-    if arc is None or arc.length >= SLIT_CM:
+    lengths: dict[tuple[int, frozenset[int]], float] = {}
+    for arc in complex_.arcs:
+        if arc.kind == EdgeType.NON_STITCH:
+            # The halves of an edge that closes on itself are one opening.
+            opening = arc.sides[0][0], frozenset((arc.a, arc.b))
+            lengths[opening] = lengths.get(opening, 0.0) + arc.length
+    length, panel = min(
+        ((size, panel) for (panel, _), size in lengths.items()), default=(SLIT_CM, 0)
+    )
+    if length >= SLIT_CM:
         return ""
-    name = complex_.placed.panels[arc.sides[0][0]].source
     return (
-        f" (panel {quoted(name)} has a free edge of only {arc.length:.2g} cm; a grid has no room "
-        "for so small an opening: sew it, or leave it out)"
+        f" (panel {quoted(complex_.placed.panels[panel].source)} has a free edge of only "
+        f"{length:.2g} cm; a grid has no room for so small an opening: sew it, or leave it out)"
     )
 
 
