@@ -116,6 +116,8 @@ def solve(
     """
     settings = settings or Settings()
     count = len(start)
+    assert np.isfinite(start).all() and len(rest.vertex_area) == count
+    assert not rest.edges.size or 0 <= rest.edges.min() <= rest.edges.max() < count
     stiffness = fabric.stretch * rest.area / rest.length**2
     weight = np.maximum(fabric.weight * rest.vertex_area, 1e-12)
     pull = np.bincount(rest.edges.ravel(), np.repeat(stiffness, 2), minlength=count)

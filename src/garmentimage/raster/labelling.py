@@ -145,6 +145,9 @@ def relabel(
         flag_cost: [2, layer, row, col], as `Beliefs.inside`.
         type_cost: [layer, 2, 4, row, col], as `Beliefs.types`.
     """
+    layers, grid, _ = inside.shape
+    assert flag_cost.shape == (2, layers, grid, grid)
+    assert type_cost.shape == (layers, 2, EDGE_TYPE_COUNT, grid, grid)
     inside = inside.copy()
     types = np.empty((len(inside), 2, *inside.shape[1:]), np.int8)
     for first in range(0, len(inside), 2):
