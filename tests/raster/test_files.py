@@ -153,6 +153,12 @@ def test_arrays_that_are_not_what_they_should_be_are_named(saved, name, array, w
         ({"anchor": [1, 10**400]}, "anchor"),
         ({"rotation": [1, 2]}, "rotation"),
         ({"grain": "up"}, "grain"),
+        ({"divisions": 3}, "divisions"),
+        ({"divisions": [[1, 1, 0, 0.5]]}, "divisions"),
+        ({"divisions": [[1, 1, 4, [0.5]]]}, "divisions"),
+        ({"divisions": [[1, 1, 0, [0.7, 0.5]]]}, "divisions"),
+        ({"divisions": [[1, 1, 0, [1.5]]]}, "divisions"),
+        ({"divisions": [[-1, 1, 0, [0.5]]]}, "divisions"),
     ],
 )
 def test_a_mark_that_makes_no_sense_is_refused(saved, change, words):
