@@ -19,7 +19,7 @@ from garmentimage.geometry.curves import Line
 from garmentimage.pattern.check import check_pattern
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
 from garmentimage.raster.frame import BodyFrame
-from tests.mutations import doubled, moved, recut, traced
+from tests.strangers import doubled, moved, recut, traced
 
 CASES = 4
 """Patterns of each kind."""

@@ -8,7 +8,7 @@ from garmentimage.draft.kinds import draft
 from garmentimage.pattern.check import check_pattern
 from garmentimage.pattern.model import Side
 from garmentimage.pattern.seams import STUB_CM, sewn_runs, stubs
-from tests.mutations import doubled, recut, traced
+from tests.strangers import doubled, recut, traced
 
 
 def test_an_ordinary_garment_has_no_stub():

@@ -16,7 +16,7 @@ from garmentimage.geometry.curves import Bezier, Line
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
 from garmentimage.pattern.seams import STUB_CM
 from garmentimage.raster.joints import Joints, find_joints
-from tests.mutations import doubled, moved, recut, traced
+from tests.strangers import doubled, moved, recut, traced
 
 slowly = settings(max_examples=8, suppress_health_check=list(HealthCheck), deadline=None)
 SPLIT = ("hoodie", "jacket")

@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from garmentimage.errors import PatternError, StitchError, quoted
 from garmentimage.geometry.polygons import polyline_length
-from garmentimage.pattern.finding import Finding, some
+from garmentimage.pattern.finding import PANELS_NAMED, Finding, some
 from garmentimage.pattern.model import (
     Circle,
     Cubic,
