@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from garmentimage.body.body import Body
 from garmentimage.body.stance import wearer
+from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.stand import standing
 from garmentimage.drape.wear import check_placed
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
@@ -27,7 +28,7 @@ def outfit(
         DraftError: `made_for` is no stature.
         DrapeError: nobody can say where on a body one of them belongs.
     """
-    body = wearer(body)
+    body = wearer(best_fit(patterns, made_for=made_for).body if body == AUTO else body)
     panels: list[Panel] = []
     stitches: list[Stitch] = []
     for pattern in patterns:

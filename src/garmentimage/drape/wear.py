@@ -8,6 +8,7 @@ from garmentimage.body.body import Body
 from garmentimage.body.stance import wearer
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.field import DistanceField, body_field
+from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.items import Item, items
 from garmentimage.drape.judge import judge
 from garmentimage.drape.mesh import VERTICES, mesh
@@ -42,7 +43,8 @@ def drape(
 
     Args:
         pattern: a garment that passes `check_pattern`.
-        body: name of a shipped body, in T-pose and with its legs upright, or a body as it stands.
+        body: name of a shipped body, in T-pose and with its legs upright, "auto" for the one on
+            which the garment fits best, or a body as it stands.
         fabric: name of a fabric, or one of your own.
         vertices: about how many the cloth has.
         tucked: tops are worn under skirts and trousers, not over them.
@@ -63,11 +65,11 @@ def drape(
     check_type(pattern, Pattern, "garmentimage.load_pattern reads one from a file")
     check_type(vertices, int, "say about how many the cloth shall have")
     began = time.perf_counter()
-    body = wearer(body)
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
     _check_sewn(pattern)
     check_placed(pattern)
+    body = wearer(best_fit([pattern], made_for=made_for).body if body == AUTO else body)
     placed, _ = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     rest = rest_of(cloth)
@@ -94,6 +96,7 @@ def drape(
         if item is not worn_items[-1]:
             field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
     report = judge(
+        cloth,
         rest,
         start,
         points,
