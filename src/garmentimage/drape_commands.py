@@ -10,6 +10,7 @@ from garmentimage.errors import DraftError, DrapeError, quoted
 from garmentimage.files import check_output, shown_path, write_together
 from garmentimage.terminal import (
     Exit,
+    LongWait,
     errors_about,
     one_line,
     print_json,
@@ -173,7 +174,8 @@ def worn_from(options: argparse.Namespace) -> "Worn":
     if len(patterns) > 1:
         # Scaling is done garment by garment then.
         pattern, made_for = outfit(patterns, body, made_for=made_for), None
-    with errors_about(options.files[0]):
+    with errors_about(options.files[0]), warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
         worn = drape(
             pattern,
             body,
@@ -181,7 +183,10 @@ def worn_from(options: argparse.Namespace) -> "Worn":
             vertices=VERTICES if options.vertices is None else options.vertices,
             tucked=options.tucked,
             made_for=made_for,
+            watch=LongWait("draping"),
         )
+    for one in found:
+        say(f"warning: {shown_path(options.files[0])}: {one_line(one.message)}")
     accept(worn, options)
     return worn
 

@@ -11,6 +11,7 @@ that holds still what rests. Where skin would come through between vertices, the
 farther off.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, sqrt
 
@@ -21,7 +22,7 @@ from garmentimage.drape.bending import bending_matrix
 from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.field import DistanceField
 from garmentimage.drape.rest import Rest
-from garmentimage.drape.step import FRAME, LOOK_AHEAD, SHORTEST, simulate
+from garmentimage.drape.step import FRAME, LOOK_AHEAD, SHORTEST, at_start, simulate
 
 GRAVITY = 981.0
 """[cm/s2]"""
@@ -38,6 +39,13 @@ edges' length: a chord of a circle misses it by so much where it is 44 degrees l
 BEND_STABLE = 0.3
 """Greatest value of (time between refreshes^2 x bending stiffness / mass) of a vertex. Bending by
 itself is stable below 2; beside stiff springs, drapes began to jitter between 0.5 and 1."""
+
+
+WATCHED = 5
+"""Frames after which it is told how far the simulation is."""
+
+Watch = Callable[[int, int], None]
+"""Is called with the frames done and the greatest number of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +108,7 @@ def solve(
     attachment: Attachment | None = None,
     resting: Int[np.ndarray, " k"] | None = None,
     settings: Settings | None = None,
+    watch: Watch | None = None,
 ) -> Motion:
     """Let cloth come to rest.
 
@@ -114,6 +123,7 @@ def solve(
         attachment: vertices held in place.
         resting: vertices that rub on the body from the start, not only once seams have closed.
         settings: how long to simulate, and how.
+        watch: is called every few frames with their number and the greatest there can be.
 
     Returns:
         The cloth at rest, or where it was after the last frame. The same bits on every run.
@@ -137,26 +147,33 @@ def solve(
     rubs = np.zeros(count, bool)
     rubs[[] if resting is None else resting] = True
     speeds = np.zeros(settings.frames)
-    frames, settled = simulate(
-        points,
-        speeds,
-        (rest.faces.astype(np.int64), MOST_LIFT * _side_lengths(rest, count)),
-        (rest.edges.astype(np.int64), rest.length, stiffness),
-        (bending.indptr, bending.indices, bending.data),
-        (1.0 / inertia, weight / inertia),
-        _held(attachment, inertia, step),
-        rubs,
-        (field.values, field.origin, 1.0 / field.cell),
-        (fabric.thickness, fabric.friction, fabric.damping),
-        (settings.gather_frames, settings.least_frames, substeps, refresh),
-        (
-            settings.gather_damping,
-            settings.top_speed,
-            settings.push_speed,
-            settings.stop_speed,
-            settings.gravity,
-        ),
-    )
+    state, settled, frames = at_start(count), False, 0
+    span = settings.frames if watch is None else WATCHED
+    while frames < settings.frames and not settled:
+        frames, settled = simulate(
+            points,
+            speeds,
+            (frames, min(frames + span, settings.frames)),
+            state,
+            (rest.faces.astype(np.int64), MOST_LIFT * _side_lengths(rest, count)),
+            (rest.edges.astype(np.int64), rest.length, stiffness),
+            (bending.indptr, bending.indices, bending.data),
+            (1.0 / inertia, weight / inertia),
+            _held(attachment, inertia, step),
+            rubs,
+            (field.values, field.origin, 1.0 / field.cell),
+            (fabric.thickness, fabric.friction, fabric.damping),
+            (settings.gather_frames, settings.least_frames, substeps, refresh),
+            (
+                settings.gather_damping,
+                settings.top_speed,
+                settings.push_speed,
+                settings.stop_speed,
+                settings.gravity,
+            ),
+        )
+        if watch is not None:
+            watch(frames, settings.frames)
     return Motion(points, frames, speeds[:frames], bool(settled))
 
 

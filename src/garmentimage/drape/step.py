@@ -37,9 +37,15 @@ SHORTEST = 1e-9
 
 @njit(cache=True)
 def simulate(
-    points, speeds, triangles, springs, bending, masses, held, rubs, field, cloth, counts, rates
-):
-    """Move `points` until at rest; returns the frames taken and whether rest was reached."""
+    points, speeds, span, state, triangles, springs, bending, masses, held, rubs, field, cloth,
+    counts, rates,
+):  # fmt: skip
+    """Move `points` through a span of frames, or until at rest.
+
+    Returns the frames taken since the first and whether rest was reached. `state` is what goes on
+    from span to span, see `at_start`; how long spans are changes no bit.
+    """
+    moved, planes, rest, lift = state
     ends, lengths, stiffness = springs
     lightness, weight_share = masses
     thickness, friction, damping = cloth
@@ -47,17 +53,12 @@ def simulate(
     gather_damping, top_speed, push_speed, stop_speed, gravity = rates
     step = FRAME / substeps
     count = len(points)
-    moved = np.zeros((count, 3))
     ahead = np.empty((count, 3))
     force = np.empty((count, 3))
     bend_force = np.zeros((count, 3))
-    planes = np.zeros((count, 4))
-    planes[:, 3] = -np.inf
-    rest = np.zeros(count, np.int64)
-    lift = np.zeros(count)
     reach = top_speed * step * refresh
     before = np.empty((count, 3))
-    for frame in range(len(speeds)):
+    for frame in range(span[0], span[1]):
         before[:] = points
         gathering = frame < gather_frames
         keep = np.exp(-(gather_damping if gathering else damping) * step)
@@ -84,7 +85,14 @@ def simulate(
         speeds[frame] = _mean_distance(points, before) / FRAME
         if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
             return frame + 1, True
-    return len(speeds), False
+    return span[1], False
+
+
+def at_start(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """How far each vertex went, its plane, how long that is left alone, and its lift."""
+    planes = np.zeros((count, 4))
+    planes[:, 3] = -np.inf
+    return np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count)
 
 
 @njit(cache=True)

@@ -11,9 +11,9 @@ from garmentimage.drape.field import DistanceField, body_field
 from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.items import Item, items
 from garmentimage.drape.judge import judge
-from garmentimage.drape.mesh import VERTICES, mesh
+from garmentimage.drape.mesh import VERTICES, check_size, mesh
 from garmentimage.drape.rest import rest_of
-from garmentimage.drape.solver import Attachment, Settings, solve
+from garmentimage.drape.solver import Attachment, Settings, Watch, solve
 from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
 from garmentimage.drape.tuck import tucked_in
@@ -35,6 +35,7 @@ def drape(
     tucked: bool = False,
     made_for: float | None = None,
     settings: Settings | None = None,
+    watch: Watch | None = None,
 ) -> Worn:
     """Put a garment on a body and let it come to rest; same bits on every run.
 
@@ -51,6 +52,7 @@ def drape(
         made_for: stature that the pattern was made for [cm]; the garment is then scaled to the
             body's.
         settings: of the simulation.
+        watch: is called every few frames of each piece of clothing, see `solve`.
 
     Returns:
         The garment on the body. Look at `report.faults`, or call `check_worn`: a drape that went
@@ -68,6 +70,7 @@ def drape(
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
     _check_sewn(pattern)
+    check_size(pattern)
     check_placed(pattern)
     body = wearer(best_fit([pattern], made_for=made_for).body if body == AUTO else body)
     placed, _ = standing(pattern, body, made_for=made_for)
@@ -90,6 +93,7 @@ def drape(
             attachment=_belt(item, start),
             resting=np.searchsorted(item.vertices, item.resting),
             settings=settings,
+            watch=watch,
         )
         points[item.vertices] = motion.points
         motions.append(motion)
