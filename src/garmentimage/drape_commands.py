@@ -163,7 +163,7 @@ def worn_from(options: argparse.Namespace) -> "Worn":
         GarmentImageError: a file, a body or a fabric that will not do, or a drape that went wrong.
     """
     from garmentimage.drape.fabric import load_fabric
-    from garmentimage.drape.mesh import VERTICES
+    from garmentimage.drape.mesh import VERTICES, missed
     from garmentimage.drape.outfit import outfit
     from garmentimage.drape.wear import drape
 
@@ -174,8 +174,7 @@ def worn_from(options: argparse.Namespace) -> "Worn":
     if len(patterns) > 1:
         # Scaling is done garment by garment then.
         pattern, made_for = outfit(patterns, body, made_for=made_for), None
-    with errors_about(options.files[0]), warnings.catch_warnings(record=True) as found:
-        warnings.simplefilter("always")
+    with errors_about(options.files[0]):
         worn = drape(
             pattern,
             body,
@@ -185,8 +184,9 @@ def worn_from(options: argparse.Namespace) -> "Worn":
             made_for=made_for,
             watch=LongWait("draping"),
         )
-    for one in found:
-        say(f"warning: {shown_path(options.files[0])}: {one_line(one.message)}")
+    remark = missed(worn.cloth.vertex_count, options.vertices) if options.vertices else ""
+    if remark:
+        say(f"warning: {shown_path(options.files[0])}: {remark}")
     accept(worn, options)
     return worn
 

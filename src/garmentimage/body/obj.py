@@ -23,7 +23,7 @@ from garmentimage.files import shown_path
 
 MESH_FORMATS = ("obj", "ply", "stl", "glb")
 """Endings of files that are read."""
-FILE_LIMIT = 200_000_000
+FILE_LIMIT = 100_000_000
 """Bytes of a file."""
 FACE_RANGE = (500, 400_000)
 """Triangles of a body: with fewer there is no shape, more only cost time."""

@@ -8,7 +8,6 @@ Words of this file: the **parts** of a side are the straight lines that stand fo
 **closed** when the stitches make its two ends one vertex.
 """
 
-import warnings
 from collections.abc import Mapping, Sequence
 from math import ceil, sqrt
 
@@ -29,6 +28,8 @@ FEWEST, MOST = 50, 100_000
 MOST_PANELS, MOST_EDGES, MOST_CLOTH = 500, 5_000, 40.0
 """Panels, edges and cloth [m²] of a garment that is draped. With the most cloth in designs by
 others it has 8 m²; more of any would take minutes, and tells of wrong units or of a tracing."""
+FARTHEST = 1e5
+"""Distance of a panel's vertices from its origin [cm]; farther off, triangles lose their shape."""
 FINEST, COARSEST = 0.3, 6.0
 """Bounds of the edge length [cm]: finer than the thickness kept between cloth and skin tells
 nothing, coarser no sleeve goes round a wrist. A tiny garment has fewer vertices than asked for, a
@@ -62,8 +63,8 @@ def mesh(pattern: Pattern, *, vertices: int = VERTICES) -> Cloth:
     Args:
         pattern: a garment that passes `check_pattern`.
         vertices: how many to make once sewn; met within a tenth unless the edge length
-            reaches a bound (0.3 or 6 cm) or the panels have more vertices by themselves, which
-            is told by a warning.
+            reaches a bound (0.3 or 6 cm) or the panels have more vertices by themselves, see
+            `missed`.
 
     Raises:
         DrapeError: a garment too large for any body, or a panel that has no triangles; names the
@@ -79,21 +80,19 @@ def mesh(pattern: Pattern, *, vertices: int = VERTICES) -> Cloth:
         if better == length or abs(cloth.vertex_count / vertices - 1) < COUNT_TOL:
             break
         length = better
-    if abs(cloth.vertex_count / vertices - 1) > COUNT_TOL:
-        warnings.warn(
-            f"the cloth has {cloth.vertex_count} vertices instead of {vertices}: {_bound(better)}",
-            stacklevel=2,
-        )
     return cloth
 
 
-def _bound(length: float) -> str:
-    """Why a number of vertices is not met."""
-    if length <= FINEST:
-        return f"edges shorter than {FINEST:g} cm tell nothing"
-    if length >= COARSEST:
-        return f"with edges longer than {COARSEST:g} cm it would not go round an arm"
-    return "its outlines have so many"
+def missed(count: int, asked: int) -> str:
+    """Why a cloth has another number of vertices than was asked for; nothing where it is met."""
+    if abs(count / asked - 1) <= COUNT_TOL:
+        return ""
+    why = (
+        f"edges shorter than {FINEST:g} cm would tell nothing"
+        if count < asked
+        else f"its outlines have so many, and edges are no longer than {COARSEST:g} cm"
+    )
+    return f"the cloth has {count} vertices instead of {asked}: {why}"
 
 
 def check_size(pattern: Pattern) -> None:
@@ -114,6 +113,13 @@ def check_size(pattern: Pattern) -> None:
             f"{quoted(largest.name)}; at most {MOST_EDGES} can be draped: trace it in longer "
             "steps, or make one curve of edges that go on smoothly"
         )
+    for panel in panels:
+        away = float(np.abs(panel.outline.polygon).max())
+        if away > FARTHEST:
+            raise DrapeError(
+                f"panel {quoted(panel.name)} lies {away:.3g} cm from its own origin, where numbers "
+                f"are too coarse; move its vertices within {FARTHEST:g} cm"
+            )
     cloth = sum(abs(p.outline.area) for p in panels) / 1e4
     if cloth > MOST_CLOTH:
         raise DrapeError(
