@@ -310,6 +310,24 @@ def test_auto_takes_the_body_that_fits_and_says_which(capsys, tmp_path):
     assert "body: slim-female (waist" in err
 
 
+def test_long_waits_are_said_and_short_ones_are_not(capsys, tmp_path, monkeypatch):
+    out = tmp_path / "a.glb"
+    assert "takes about" not in run(capsys, "drape", TROUSERS, *FEW, "-o", out)[2]
+    monkeypatch.setattr("garmentimage.terminal.PATIENCE", 0.0)
+    assert "draping takes about" in run(capsys, "drape", TROUSERS, *FEW, "-o", out)[2]
+
+
+def test_centimetres_read_as_metres_are_refused_with_the_remedy(capsys, tmp_path):
+    data = json.loads(TROUSERS.read_text(encoding="utf-8"))
+    data["properties"]["units_in_meter"] = 1
+    huge, out = tmp_path / "huge.json", tmp_path / "a.glb"
+    huge.write_text(json.dumps(data), encoding="utf-8")
+    code, _, err = run(capsys, "drape", huge, "-o", out)
+    assert code == 2
+    assert "m² of cloth" in err and "units_in_meter" in err
+    assert not out.exists()
+
+
 def test_an_output_that_cannot_be_written_is_told_before_the_work(capsys, tmp_path, rags):
     """The pattern cannot be draped either; the output is looked at first."""
     (tmp_path / "folder.glb").mkdir()
