@@ -28,9 +28,9 @@ from garmentimage.raster.labelling import (
     with_neighbours,
 )
 from garmentimage.raster.walls import (
+    drop_lone_cells,
     mend_paper_cases,
-    merge_bands,
-    merge_small_regions,
+    merge_thin_regions,
     whole_seams,
 )
 
@@ -131,8 +131,8 @@ def _repaired_fully(given: GarmentImage, costs: Beliefs) -> tuple[GarmentImage, 
         "inconsistent edge types": int((types != given.edge_type).sum()),
     }
     counts["seams and slits made whole or dropped"] = whole_seams(inside, types, type_cost)
-    counts["small regions merged"] = merge_small_regions(inside, types, flag_cost, type_cost)
-    counts["uncertain bands made one seam"] = merge_bands(inside, types, costs.types, type_cost)
+    counts["thin regions merged"] = merge_thin_regions(inside, types, costs.types, type_cost)
+    counts["lone cells dropped"] = drop_lone_cells(inside, types, flag_cost)
     # What was merged may leave a slit behind.
     counts["seams and slits made whole or dropped"] += whole_seams(inside, types, type_cost)
     inside, types = relabel(inside, flag_cost, type_cost)
