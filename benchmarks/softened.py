@@ -115,9 +115,7 @@ def fate_of(
     return fate | ({"graph"} if likeness(truth, pattern).topology else set())
 
 
-def forms(
-    image: gi.GarmentImage, name: str
-) -> Iterator[tuple[str, np.ndarray, ChannelKind]]:
+def forms(image: gi.GarmentImage, name: str) -> Iterator[tuple[str, np.ndarray, ChannelKind]]:
     """The raster as networks of several sorts would give it: what they are called, and of which kind
     the numbers are.
     """
@@ -149,7 +147,9 @@ def softened(
         odds = odds + rng.normal(0, NOISE_NATS, odds.shape)
         each = each + rng.normal(0, NOISE_NATS, each.shape)
     weights = np.exp(each)
-    shares = (weights / weights.sum(axis=2, keepdims=True)).reshape(image.layers, -1, flags.shape[2])
+    shares = (weights / weights.sum(axis=2, keepdims=True)).reshape(
+        image.layers, -1, flags.shape[2]
+    )
     parts = [1 / (1 + np.exp(-odds)), shares, block[:, 1 + 2 * EDGE_TYPE_COUNT :]]
     return np.concatenate(parts, axis=1).reshape(-1, image.grid, image.grid)
 
