@@ -95,7 +95,7 @@ def counts(image: gi.GarmentImage) -> Counter[str]:
     found["panels"] = panels
     beside = _seams(image, labels)
     for label in range(panels):
-        layer, rows, cols = np.nonzero(labels == label)
+        _, rows, cols = np.nonzero(labels == label)
         size = len(rows)
         if size <= max(SIZES):
             found[f"panels of {size} cells" if size > 1 else "panels of 1 cell"] += 1

@@ -116,9 +116,7 @@ def fate_of(
 
 
 def forms(image: gi.GarmentImage, name: str) -> Iterator[tuple[str, np.ndarray, ChannelKind]]:
-    """The raster as networks of several sorts would give it: what they are called, and of which kind
-    the numbers are.
-    """
+    """The raster as networks of several sorts would give it: name, numbers, and their kind."""
     seed = int.from_bytes(hashlib.sha256(name.encode()).digest()[:4], "big")
     for share in SHARES:
         rng = np.random.default_rng(seed)
@@ -136,7 +134,7 @@ def forms(image: gi.GarmentImage, name: str) -> Iterator[tuple[str, np.ndarray, 
 def softened(
     image: gi.GarmentImage, share: float, rng: np.random.Generator | None = None
 ) -> np.ndarray:
-    """Channels in which all that is true has a share, with noise on their logits if `rng` is given."""
+    """Channels in which all that is true has a share; `rng` draws noise for their logits."""
     block = image.to_channels().astype(float).reshape(image.layers, CHANNELS_PER_LAYER, -1)
     flags = block[:, :1]
     types = block[:, 1 : 1 + 2 * EDGE_TYPE_COUNT].reshape(image.layers, 2, EDGE_TYPE_COUNT, -1)

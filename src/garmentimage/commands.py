@@ -197,9 +197,7 @@ def _decode(options: argparse.Namespace) -> Exit:
     save_pattern(pattern, options.out)
     mended = {rule: int(count) for rule, count in report.counts.items() if count}
     if report.is_guess:
-        say(
-            f"{shown_path(options.file)}: read as {report.kind}; --kind says if it is something else"
-        )
+        say(f"{shown_path(options.file)}: read as {report.kind}; --kind says what else it is")
     if mended:
         say(f"repaired: {shown_path(options.file)}: {list_facts(mended)}")
     print_written(options, _pattern_facts(pattern), repaired=mended, kind=report.kind)

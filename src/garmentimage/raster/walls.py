@@ -166,7 +166,8 @@ def _weak_seams(
             worth = sum(believed) / max(len(believed), 1)
             if worth < RARE_COST:
                 found.append((worth, k, other))
-    weak, touched = [], set()
+    weak: list[list[Wall]] = []
+    touched: set[int] = set()
     for _, k, other in sorted(found):
         if not touched & {k, other}:
             touched |= {k, other}
