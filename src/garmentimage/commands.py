@@ -197,7 +197,8 @@ def _decode(options: argparse.Namespace) -> Exit:
     save_pattern(pattern, options.out)
     mended = {rule: int(count) for rule, count in report.counts.items() if count}
     if report.is_guess:
-        say(f"{shown_path(options.file)}: read as {report.kind}; --kind says what else it is")
+        name = shown_path(options.file)
+        say(f"{name}: its numbers are read as {report.kind}; give --kind if they are not")
     if mended:
         say(f"repaired: {shown_path(options.file)}: {list_facts(mended)}")
     print_written(options, _pattern_facts(pattern), repaired=mended, kind=report.kind)

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
+from garmentimage.cli import main
 from garmentimage.draft.kinds import KINDS
 from garmentimage.draft.sample import ANY_BODY, sample
 from garmentimage.errors import EncodeError, ImageError
@@ -342,3 +343,12 @@ def test_lone_cell_goes_unless_a_network_is_sure_of_it():
         is_doubted = alone.to_channels() != DRESS.to_channels()
         channels = np.where(is_doubted, shares(alone, share), DRESS.to_channels())
         assert repair(channels, kind="shares")[0].same_channels(expected)
+
+
+def test_the_command_says_what_it_took_the_numbers_for(tmp_path, capsys):
+    file, out = str(tmp_path / "soft.npy"), str(tmp_path / "out.json")
+    np.save(file, shares(DRESS, 0.99))
+    assert main(["decode", file, "-o", out]) == 0
+    assert "read as shares; give --kind" in capsys.readouterr().err
+    assert main(["decode", file, "-o", out, "--kind", "shares"]) == 0
+    assert "--kind" not in capsys.readouterr().err
