@@ -181,6 +181,12 @@ def _decode_arguments(parser: argparse.ArgumentParser) -> None:
         default="full",
         help="what to mend before decoding (default: full)",
     )
+    parser.add_argument(
+        "--kind",
+        choices=("shares", "logits", "channels"),
+        help="what the numbers of a .npy are: probabilities, logits, or channels to be decided at "
+        ".5 (default: judged by all of them)",
+    )
     add_order(parser)
 
 
@@ -192,13 +198,16 @@ def _decode(options: argparse.Namespace) -> Exit:
     check_output(options.out, (".json",), [options.file])
     source = _read_image(options.file, options.order)
     with errors_about(options.file):
-        image, report = repair(source, options.repair)
-        pattern = decode(image, repair="none")
+        image, report = repair(source, options.repair, kind=options.kind)
+        pattern = decode(image, repair=options.repair)
     save_pattern(pattern, options.out)
     mended = {rule: int(count) for rule, count in report.counts.items() if count}
+    if report.is_guess:
+        name = shown_path(options.file)
+        say(f"{name}: its numbers are read as {report.kind}; give --kind if they are not")
     if mended:
         say(f"repaired: {shown_path(options.file)}: {list_facts(mended)}")
-    print_written(options, _pattern_facts(pattern), repaired=mended)
+    print_written(options, _pattern_facts(pattern), repaired=mended, kind=report.kind)
     return Exit.OK
 
 

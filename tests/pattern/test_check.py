@@ -215,3 +215,18 @@ def test_strange_names_are_escaped_and_shortened():
             check_pattern(Pattern((Panel(name, chain((0, 0), (1, 1))),)))
         assert "\n" not in str(caught.value)
         assert len(str(caught.value)) < 200
+
+
+def test_a_seam_of_which_half_was_forgotten_is_told():
+    """The back has a vertex midway; the whole side of the front is sewn to its lower half."""
+    halved = [[0, 0], [30, 0], [30, 40], [0, 40], [0, 20]]
+    ends = ((0, 1), (1, 2), (2, 3), (3, 4), (4, 0))
+    panels = {"front": panel(), "back": panel(halved, ends, z=-20)}
+    whole_side = stitch(("front", 3), ("back", 1))
+    _, found = read_spec(spec(panels, [whole_side, stitch(("front", 1), ("back", 4))]))
+    assert [(f.place, f.code) for f in found] == [("stitch 1", "half-sewn")]
+    assert "edge 3 of panel 'back'" in found[0].message
+    # Where the other half is sewn elsewhere, it was not forgotten.
+    third = {"third": panel(z=-10)}
+    elsewhere = [stitch(("front", 1), ("back", 4)), stitch(("third", 1), ("back", 3)), whole_side]
+    assert "half-sewn" not in [f.code for f in read_spec(spec(panels | third, elsewhere))[1]]

@@ -83,6 +83,18 @@ def unknown_place(pattern: Pattern) -> Finding | None:
     return next((f for f in placement_findings(pattern) if f.code in UNKNOWN_PLACE), None)
 
 
+def facing_inwards(pattern: Pattern) -> list[str]:
+    """Names of the panels whose counter-clockwise side faces the body, by where they stand."""
+    if len(pattern.panels) < 2 or _in_one_plane(pattern):
+        return []
+    if _in_radians(pattern) or _stands_along_z(pattern):
+        return []
+    # About the garment's own middle as well as the body's axis: the origin may be elsewhere, and
+    # layers may hang in front of the body only.
+    outward = np.maximum(_outwardness(pattern), _outwardness(pattern, np.zeros(3)))
+    return [p.name for p, side in zip(pattern.panels, outward) if side < 0]
+
+
 # --- units ---------------------------------------------------------------------------------------
 
 
@@ -180,10 +192,7 @@ def _standing_findings(pattern: Pattern) -> list[Finding]:
             "+z: turn (x, y, z) into (x, z, -y) and the rotations likewise"
         )
         return [Finding("placement", message, "z-up")]
-    # About the garment's own middle as well as the body's axis: the origin may be elsewhere, and
-    # layers may hang in front of the body only.
-    outward = np.maximum(_outwardness(pattern), _outwardness(pattern, np.zeros(3)))
-    inward = [p.name for p, side in zip(pattern.panels, outward) if side < 0]
+    inward = facing_inwards(pattern)
     if not inward:
         return []
     message = (

@@ -20,6 +20,7 @@ from garmentimage.pattern.check import (
     edge_place,
     panel_place,
 )
+from garmentimage.pattern.direction import outward, turned_edge
 from garmentimage.pattern.finding import Finding
 from garmentimage.pattern.model import (
     Circle,
@@ -139,6 +140,8 @@ class _Reader:
         pattern = Pattern(
             tuple(panels), stitches, name=name, extra=self.extra(top, body, properties, ours)
         )
+        pattern, turned = outward(pattern)
+        self.found.extend(turned)
         self.found.extend(check_pattern(pattern, stitch_numbers=numbers))
         return pattern, _limited(self.found)
 
@@ -286,7 +289,7 @@ class _Reader:
         order = [0] * len(edges)
         for new, (old, _) in enumerate(chain):
             order[old] = new
-        edges = [_turned(edges[old]) if backwards else edges[old] for old, backwards in chain]
+        edges = [turned_edge(edges[old]) if backwards else edges[old] for old, backwards in chain]
         return self.used_vertices(Loop(vertices, tuple(edges)), place), order
 
     def edge(self, data: Any, vertices: Sequence[Point], units: _Units, where: str) -> Edge:
@@ -485,23 +488,6 @@ def _chained(edges: Sequence[Edge], name: str, first: int) -> list[tuple[int, bo
         chain.append((k, backwards))
         here = edges[k].start if backwards else edges[k].end
     return chain
-
-
-def _turned(edge: Edge) -> Edge:
-    """The same curve walked the other way."""
-    curvature = edge.curvature
-    match curvature:
-        case Quadratic(control):
-            curvature = Quadratic(_seen_from_end(control))
-        case Cubic(control, control2):
-            curvature = Cubic(_seen_from_end(control2), _seen_from_end(control))
-        case Circle(radius, large, right):
-            curvature = Circle(radius, large, not right)
-    return replace(edge, start=edge.end, end=edge.start, curvature=curvature)
-
-
-def _seen_from_end(control: Point) -> Point:
-    return 1 - control[0], -control[1]
 
 
 def _label(data: Mapping[str, Any]) -> tuple[str | None, tuple[str, ...]]:

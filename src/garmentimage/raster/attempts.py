@@ -10,6 +10,7 @@ from itertools import islice
 from garmentimage.errors import EncodeError, quoted
 from garmentimage.raster.canonical import canonical
 from garmentimage.raster.compact import compact
+from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.drawing import (
     MOST_NEEDED,
     Drawing,
@@ -20,6 +21,7 @@ from garmentimage.raster.drawing import (
     with_links,
 )
 from garmentimage.raster.frame import BodyFrame
+from garmentimage.raster.image import EdgeType
 from garmentimage.raster.layout import Layout
 from garmentimage.raster.polish import polish
 from garmentimage.raster.route import FinePaths, route
@@ -37,6 +39,8 @@ LAST_LAYOUTS = 3
 """... on so many of them."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
+SLIT_CM = 1.0
+"""Free edges shorter than this [cm] are pointed out where a garment cannot be drawn."""
 
 
 def trials(layouts_: Iterable[Layout]) -> Iterator[tuple[Layout, Attempts]]:
@@ -83,7 +87,26 @@ def _crossing(layout: Layout) -> str:
                 f" (laid flat, seams of panels {', '.join(map(quoted, names))} cross; leave a "
                 "panel out or check where it is placed)"
             )
-    return ""
+    return _slit(layout.complex)
+
+
+def _slit(complex_: SeamComplex) -> str:
+    """For a message: the shortest free edge, where it is too short to be meant for an opening."""
+    lengths: dict[tuple[int, frozenset[int]], float] = {}
+    for arc in complex_.arcs:
+        if arc.kind == EdgeType.NON_STITCH:
+            # The halves of an edge that closes on itself are one opening.
+            opening = arc.sides[0][0], frozenset((arc.a, arc.b))
+            lengths[opening] = lengths.get(opening, 0.0) + arc.length
+    length, panel = min(
+        ((size, panel) for (panel, _), size in lengths.items()), default=(SLIT_CM, 0)
+    )
+    if length >= SLIT_CM:
+        return ""
+    return (
+        f" (panel {quoted(complex_.placed.panels[panel].source)} has a free edge of only "
+        f"{length:.2g} cm; a grid has no room for so small an opening: sew it, or leave it out)"
+    )
 
 
 def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> list[Path]:
