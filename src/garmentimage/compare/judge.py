@@ -28,7 +28,6 @@ from garmentimage.compare.stitch_graph import (
 )
 from garmentimage.compare.validity import stitch_faults, structure_faults
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.turned import turned_over
 
 SUCCESS_IOU = 0.9
 """Every panel must reach this centroid-aligned IoU."""
@@ -61,7 +60,6 @@ def judge(original: Pattern, decoded: Pattern, *, any_pose: bool = False) -> Rou
     Success: as many panels, each with IoU >= `SUCCESS_IOU`, the same stitch graph, and no fault
     in panels or stitches that the original has not. The likeliest assignment of panels is tried
     first (equal names, then shape and place); where it fails, any that fulfils all of this will do.
-    A garment that came back with all its loops walked the other way is the same, too.
 
     Args:
         original: the pattern that went in.
@@ -69,14 +67,6 @@ def judge(original: Pattern, decoded: Pattern, *, any_pose: bool = False) -> Rou
         any_pose: panels may lie mirrored or turned by quarters in their own coordinates, and
             names say nothing.
     """
-    result = _judged(original, decoded, any_pose)
-    if not result.success and result.panels[0] == result.panels[1]:
-        turned = _judged(turned_over(original), decoded, any_pose)
-        return turned if turned.success else result
-    return result
-
-
-def _judged(original: Pattern, decoded: Pattern, any_pose: bool) -> RoundtripResult:
     task = _Comparison(original, decoded, any_pose)
     faults = stitch_faults(decoded)
     if faults:

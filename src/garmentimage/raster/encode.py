@@ -15,8 +15,8 @@ import numpy as np
 from garmentimage.compare.stitch_graph import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
 from garmentimage.geometry.polygons import centroid, resample, signed_area
+from garmentimage.pattern.direction import turned_round
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.turned import turned_over
 from garmentimage.raster.attempts import drawings, trials
 from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.complex import SeamComplex, seam_complex
@@ -74,7 +74,7 @@ def encode(
         raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
     placed = place(pattern)
     if all(panel.sign != panel.outward for panel in placed.panels):
-        pattern = turned_over(pattern)
+        pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
         placed = place(pattern)
     layouts_ = _Kept(layouts(seam_complex(placed)))
     graph = stitch_graph(pattern) if verify else None
