@@ -1,6 +1,7 @@
 # make demo    a picture to a pattern; the bundled patterns encoded, decoded, draped and drawn
 # make test    all tests that need no pattern files by others: some minutes
 # make check   format, lint, types, quick tests: before every commit
+# make check-kernels  compiled code on degenerate patterns, its array bounds checked: some minutes
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
 # make picture the pictures in the README
 # make explore networks of docs/explore.md, trained anew and measured: about 5 hours on two cores
@@ -17,7 +18,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c c
 WORKERS ?= 2
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
-.PHONY: demo test check lint corpus picture explore image text bench clean
+.PHONY: demo test check check-kernels lint corpus picture explore image text bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
@@ -32,6 +33,13 @@ lint: $(VENV)/ready-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy src
+
+# A cache of its own: numba does not ask how what it has there was compiled.
+KERNEL_TESTS := tests/test_kernels.py tests/raster/test_lattice.py tests/raster/test_decode_refit.py \
+	tests/drape/test_mesh.py tests/drape/test_crossings.py tests/render/test_worn.py
+check-kernels: $(VENV)/ready-dev
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python -m pytest \
+		-m "not slow and not corpus" $(KERNEL_TESTS)
 
 corpus: $(VENV)/ready-dev
 	$(PYTEST) -m corpus

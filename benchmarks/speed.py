@@ -40,7 +40,7 @@ STAGES = {
     "placing, splitting, seams": (("place.py", "place"), ("complex.py", "seam_complex")),
     "layout": (("layout.py", "draw"),),
     "routing": (("route.py", "route"),),
-    "compaction": (("encode.py", "_compacted"),),
+    "compaction": (("attempts.py", "_compacted"),),
     "polish": (("polish.py", "polish"),),
     "symmetry and numbering": (
         ("symmetry.py", "find_mirror"),
@@ -48,6 +48,7 @@ STAGES = {
         ("canonical.py", "canonical"),
     ),
     "deformation": (("encode.py", "_deform"),),
+    "proof": (("proof.py", "disproof"),),
 }
 """Functions that the stages of encoding are told from."""
 FRESH = "import garmentimage as gi; gi.decode(gi.encode(gi.load_pattern({path!r}), grid={grid}))"

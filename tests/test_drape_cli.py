@@ -286,18 +286,46 @@ def test_files_that_will_not_do_are_told(capsys, tmp_path, glb, rags):
     assert "is draped already" in err
 
 
-def test_a_body_with_a_hole_is_refused_and_a_whole_one_is_dressed(capsys, tmp_path):
-    faces = load_body().faces
-    torn = write_obj(tmp_path / "torn.obj", faces[20:])
+def test_half_a_body_is_refused_and_one_with_a_small_hole_is_dressed(capsys, tmp_path):
+    faces, height = load_body().faces, load_body().vertices[:, 1]
+    torn = write_obj(tmp_path / "torn.obj", faces[(height < 95)[faces].all(1)])
     out = tmp_path / "a.glb"
     code, _, err = run(capsys, "drape", TROUSERS, *FEW, "--body", torn, "-o", out)
     assert code == 2
-    assert "torn.obj: is not watertight" in err
+    assert "torn.obj: is open: a hole" in err
     assert err.count("\n") == 1
     assert not out.exists()
-    whole = write_obj(tmp_path / "whole.obj", faces)
+    whole = write_obj(tmp_path / "whole.obj", faces[20:])
     assert run(capsys, "drape", TROUSERS, *FEW, "--body", whole, "-o", out)[0] == 0
     assert gi.load_worn(out).body.name == "whole"
+
+
+def test_auto_takes_the_body_that_fits_and_says_which(capsys, tmp_path):
+    slim = tmp_path / "slim.json"
+    gi.save_pattern(gi.draft_pattern("pants", body="slim-female"), slim)
+    out = tmp_path / "a.glb"
+    code, result, err = run(capsys, "drape", slim, *FEW, "--body", "auto", "--json", "-o", out)
+    assert code == 0
+    assert json.loads(result)["body"] == "slim-female"
+    assert "body: slim-female (waist" in err
+
+
+def test_long_waits_are_said_and_short_ones_are_not(capsys, tmp_path, monkeypatch):
+    out = tmp_path / "a.glb"
+    assert "takes about" not in run(capsys, "drape", TROUSERS, *FEW, "-o", out)[2]
+    monkeypatch.setattr("garmentimage.terminal.PATIENCE", 0.0)
+    assert "draping takes about" in run(capsys, "drape", TROUSERS, *FEW, "-o", out)[2]
+
+
+def test_centimetres_read_as_metres_are_refused_with_the_remedy(capsys, tmp_path):
+    data = json.loads(TROUSERS.read_text(encoding="utf-8"))
+    data["properties"]["units_in_meter"] = 1
+    huge, out = tmp_path / "huge.json", tmp_path / "a.glb"
+    huge.write_text(json.dumps(data), encoding="utf-8")
+    code, _, err = run(capsys, "drape", huge, "-o", out)
+    assert code == 2
+    assert "m² of cloth" in err and "units_in_meter" in err
+    assert not out.exists()
 
 
 def test_an_output_that_cannot_be_written_is_told_before_the_work(capsys, tmp_path, rags):

@@ -147,6 +147,12 @@ def _encode_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="a pattern (JSON)")
     _add_out(parser, "OUT.npz", "the image; .npy writes the layout of the GarmentImage authors")
     _add_grid(parser)
+    parser.add_argument(
+        "--no-verify",
+        dest="verify",
+        action="store_false",
+        help="do not decode the image to see whether it brings the pattern back",
+    )
 
 
 def _encode(options: argparse.Namespace) -> Exit:
@@ -157,7 +163,7 @@ def _encode(options: argparse.Namespace) -> Exit:
     pattern, found = _read_pattern(options.file)
     warn(options.file, found)
     with errors_about(options.file):
-        image = encode(pattern, grid=options.grid)
+        image = encode(pattern, grid=options.grid, verify=options.verify)
     save_image(image, options.out)
     print_written(options, _image_facts(image))
     return Exit.OK
@@ -175,6 +181,12 @@ def _decode_arguments(parser: argparse.ArgumentParser) -> None:
         default="full",
         help="what to mend before decoding (default: full)",
     )
+    parser.add_argument(
+        "--kind",
+        choices=("shares", "logits", "channels"),
+        help="what the numbers of a .npy are: probabilities, logits, or channels to be decided at "
+        ".5 (default: judged by all of them)",
+    )
     add_order(parser)
 
 
@@ -186,13 +198,16 @@ def _decode(options: argparse.Namespace) -> Exit:
     check_output(options.out, (".json",), [options.file])
     source = _read_image(options.file, options.order)
     with errors_about(options.file):
-        image, report = repair(source, options.repair)
-        pattern = decode(image, repair="none")
+        image, report = repair(source, options.repair, kind=options.kind)
+        pattern = decode(image, repair=options.repair)
     save_pattern(pattern, options.out)
     mended = {rule: int(count) for rule, count in report.counts.items() if count}
+    if report.is_guess:
+        name = shown_path(options.file)
+        say(f"{name}: its numbers are read as {report.kind}; give --kind if they are not")
     if mended:
         say(f"repaired: {shown_path(options.file)}: {list_facts(mended)}")
-    print_written(options, _pattern_facts(pattern), repaired=mended)
+    print_written(options, _pattern_facts(pattern), repaired=mended, kind=report.kind)
     return Exit.OK
 
 

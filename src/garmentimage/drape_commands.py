@@ -10,6 +10,7 @@ from garmentimage.errors import DraftError, DrapeError, quoted
 from garmentimage.files import check_output, shown_path, write_together
 from garmentimage.terminal import (
     Exit,
+    LongWait,
     errors_about,
     one_line,
     print_json,
@@ -91,7 +92,8 @@ def add_worn_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--body",
         metavar="BODY",
-        help=f"a shipped body or a mesh file of yours: .obj, .ply, .stl, .glb ({BODY})",
+        help="a shipped body, auto for the one that the garment fits best, or a mesh file of "
+        f"yours: .obj, .ply, .stl, .glb ({BODY})",
     )
     parser.add_argument(
         "--pose", metavar="t|a", help=f"arms stretched out, or 45 degrees down ({POSE})"
@@ -161,13 +163,13 @@ def worn_from(options: argparse.Namespace) -> "Worn":
         GarmentImageError: a file, a body or a fabric that will not do, or a drape that went wrong.
     """
     from garmentimage.drape.fabric import load_fabric
-    from garmentimage.drape.mesh import VERTICES
+    from garmentimage.drape.mesh import VERTICES, missed
     from garmentimage.drape.outfit import outfit
     from garmentimage.drape.wear import drape
 
     fabric = load_fabric(_or(options.fabric, FABRIC))
-    body = _body(_or(options.body, BODY), options.pose)
     patterns = [_pattern(path) for path in options.files]
+    body = _body(_body_name(patterns, options), options.pose)
     pattern, made_for = patterns[0], options.made_for
     if len(patterns) > 1:
         # Scaling is done garment by garment then.
@@ -180,9 +182,13 @@ def worn_from(options: argparse.Namespace) -> "Worn":
             vertices=VERTICES if options.vertices is None else options.vertices,
             tucked=options.tucked,
             made_for=made_for,
+            watch=LongWait("draping"),
         )
     for note in worn.report.notes:
         say(f"note: {shown_path(options.files[0])}: {one_line(note)}")
+    remark = missed(worn.cloth.vertex_count, options.vertices) if options.vertices else ""
+    if remark:
+        say(f"warning: {shown_path(options.files[0])}: {remark}")
     accept(worn, options)
     return worn
 
@@ -219,6 +225,19 @@ def _pattern(path: Path) -> "Pattern":
     pattern, found = read_pattern(path)
     warn(path, found)
     return pattern
+
+
+def _body_name(patterns: "list[Pattern]", options: argparse.Namespace) -> str:
+    """The body that is asked for; where any is, the one on which the garment fits best."""
+    from garmentimage.drape.fit import AUTO, best_fit
+
+    name = _or(options.body, BODY)
+    if name != AUTO:
+        return name
+    with errors_about(options.files[0]):
+        best = best_fit(patterns, made_for=options.made_for, pose=_or(options.pose, POSE))
+    say(f"body: {best}" + ("" if best.tight == 0 else "; too tight on all, least on this one"))
+    return best.body
 
 
 def _body(name: str, pose: str | None) -> "Body":

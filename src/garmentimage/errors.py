@@ -17,6 +17,11 @@
 Each message is one sentence or two: what is wrong, where (file, panel, edge), and a way out.
 """
 
+from typing import Literal
+
+Remedy = Literal["grid", "either", "pattern"]
+"""What may help where a pattern cannot be encoded: a finer grid, another pattern, or either."""
+
 
 class GarmentImageError(Exception):
     """Root of everything that garmentimage raises on purpose."""
@@ -41,12 +46,14 @@ class ImageError(GarmentImageError, ValueError):
 class EncodeError(GarmentImageError, ValueError):
     """A pattern that cannot be drawn on the grid.
 
-    `grid` is the smallest grid size that was found to work, or None if none was.
+    `grid` is the smallest grid size that was found to work, or None if none was. `remedy` says
+    what may help: no grid is tried for what only another pattern can mend.
     """
 
-    def __init__(self, message: str, *, grid: int | None = None) -> None:
+    def __init__(self, message: str, *, grid: int | None = None, remedy: Remedy = "grid") -> None:
         super().__init__(message)
         self.grid = grid
+        self.remedy: Remedy = remedy
 
 
 class DecodeError(GarmentImageError, ValueError):

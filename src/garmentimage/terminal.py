@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from enum import IntEnum
@@ -14,6 +15,12 @@ from garmentimage.files import shown_path
 
 if TYPE_CHECKING:
     from garmentimage.pattern.finding import Finding
+
+
+PATIENCE = 10.0
+"""What takes no longer needs no progress bar [s]."""
+USUALLY = 3
+"""Something that is done when it comes to rest usually takes this part of its most frames."""
 
 
 class Exit(IntEnum):
@@ -97,6 +104,45 @@ def warn(path: Path, found: "Iterable[Finding]") -> None:
 def one_line(message: object) -> str:
     """The message without line breaks."""
     return " ".join(str(message).split())
+
+
+class LongWait:
+    """Says how long something takes that is called frame by frame, and shows how far it is.
+
+    Nothing is said where it takes no longer than `PATIENCE`.
+    """
+
+    def __init__(self, doing: str) -> None:
+        self.doing = doing
+        self.began: float | None = None
+        self.first = self.done = 0
+        self.bar: Any = None
+
+    def __call__(self, done: int, most: int) -> None:
+        """After `done` of at most `most` frames; the first call of each run only takes the time."""
+        now = time.perf_counter()
+        if self.began is None or done <= self.done:
+            self.close()
+            self.began, self.first = now, done
+        elif self.bar is None:
+            seconds = (now - self.began) / (done - self.first) * most / USUALLY
+            if seconds > PATIENCE:
+                self._show(seconds, done, most)
+        else:
+            self.bar.update(done - self.done)
+        self.done = done
+
+    def close(self) -> None:
+        """Leave the line of the bar."""
+        if self.bar is not None:
+            self.bar.close()
+            self.bar = None
+
+    def _show(self, seconds: float, done: int, most: int) -> None:
+        from tqdm import tqdm
+
+        say(f"{self.doing} takes about {seconds:.0f} s, at most {USUALLY} times as long")
+        self.bar = tqdm(total=most, initial=done, unit="frame", disable=None, file=sys.stderr)
 
 
 def say(text: str) -> None:

@@ -5,8 +5,11 @@ import pytest
 
 from garmentimage.body.body import load_body
 from garmentimage.body.measurements import presets
+from garmentimage.body.mend import capped, parts, welded
 from garmentimage.body.obj import load_body_file
+from garmentimage.drape.field import body_field, distance_field
 from garmentimage.errors import DraftError
+from tests.corpus import unpacked
 
 LEVEL_TOL_CM = 2.5
 """How far landmarks by proportion may lie from those of a shipped body, up or down."""
@@ -44,7 +47,7 @@ def test_the_pose_is_recognised(pose, write):
     assert load_body_file(write(body.vertices, body.faces)).pose == pose
 
 
-@pytest.mark.parametrize("size", [0.01, 0.1, 1, 10])
+@pytest.mark.parametrize("size", [0.01, 0.1, 1 / 2.54, 1 / 30.48, 1, 10])
 def test_any_unit_side_up_and_facing_gives_the_same_body(size, write):
     body = load_body()
     plain = load_body_file(write(body.vertices, body.faces))
@@ -84,6 +87,41 @@ def quad_of(first, second):
     return [int(first[k]), int(first[(k + 1) % 3]), rest.pop(), int(first[(k + 2) % 3])]
 
 
+def turn(axis, degrees):
+    """Matrix of a turn about a file axis."""
+    i, j = [(1, 2), (2, 0), (0, 1)][axis]
+    matrix, angle = np.eye(3), np.deg2rad(degrees)
+    matrix[i, i] = matrix[j, j] = np.cos(angle)
+    matrix[i, j], matrix[j, i] = -np.sin(angle), np.sin(angle)
+    return matrix
+
+
+TURNS = {
+    "facing +x": (1, 90, ""),
+    "facing -x": (1, -90, ""),
+    "half left": (1, 45, ""),
+    "x up": (2, 90, "on its head"),
+    "upside down": (2, 180, "on its head"),
+    "leaning forward": (0, 10, "leans by 10 degrees"),
+    "leaning aside": (2, 10, "leans by 10 degrees"),
+}
+
+
+@pytest.mark.parametrize("case", TURNS.values(), ids=TURNS)
+def test_a_body_turned_in_its_file_is_turned_back(case, write):
+    axis, degrees, message = case
+    body = load_body()
+    points = body.vertices @ turn(axis, degrees).T
+    if message:
+        with pytest.warns(UserWarning, match=message):
+            again = load_body_file(write(points, body.faces))
+    else:
+        again = load_body_file(write(points, body.faces))
+    plain = load_body_file(write(body.vertices, body.faces))
+    for key, place in plain.landmarks.items():
+        assert np.linalg.norm(again.landmarks[key] - place) < 1.0, key
+
+
 def test_loose_parts_are_left_out_with_a_warning(write):
     body = load_body()
     eye = np.array([[0, 150, 0], [1, 150, 0], [0, 151, 0], [0, 150, 1.0]])
@@ -93,19 +131,90 @@ def test_loose_parts_are_left_out_with_a_warning(write):
         assert len(load_body_file(path).vertices) == len(body.vertices)
 
 
+def test_parts_that_pass_through_each_other_are_one_body(write):
+    """Head, hands and trunk are often meshes of their own, each closed."""
+    body = load_body()
+    above, below = cut_off(body, 140.0, 1), cut_off(body, 143.0, -1)
+    first = len(above[0])
+    with pytest.raises(DraftError, match="has no head"):
+        load_body_file(write(*below))
+    both = np.vstack([above[0], below[0]]), np.vstack([above[1], below[1] + first])
+    again = load_body_file(write(*both))
+    assert np.ptp(again.vertices[:, 1]) == pytest.approx(np.ptp(body.vertices[:, 1]))
+    assert body_field(again).at(np.array([[0, 141.5, -2.0]])) < 0
+
+
+def cut_off(body, height, way):
+    """The closed part of a body above (1) or below (-1) a height."""
+    kept = (body.vertices[:, 1] * way > height * way)[body.faces].all(1)
+    part = parts(welded(body.vertices, body.faces[kept]))[0]
+    return capped(part)
+
+
+def faulty_bodies():
+    body = load_body()
+    points, faces = body.vertices, body.faces
+    eyes = np.hypot(np.abs(points[:, 0]) - 3.2, points[:, 1] - 155) < 1.2
+    mixed = faces.copy()
+    mixed[::2] = mixed[::2, ::-1]
+    soup = points[faces].reshape(-1, 3)
+    noise = np.random.default_rng(0).normal(0, 1e-3, soup.shape)
+    own = np.arange(len(soup)).reshape(-1, 3)
+    yield "rounded to mm", np.round(points, 1), faces
+    yield "rounded to cm", np.round(points), faces
+    yield "one triangle missing", points, faces[1:]
+    yield "eyes open", points, faces[~(eyes & (points[:, 2] > 5))[faces].any(1)]
+    yield "finger tips cut off", points, faces[(np.abs(points[:, 0]) < 81)[faces].all(1)]
+    yield "inside out in parts", points, mixed
+    yield "two sides", points, np.vstack([faces, faces[:, ::-1]])
+    yield "no triangle shares a vertex", soup + noise, own
+
+
+@pytest.mark.parametrize("case", list(faulty_bodies()), ids=lambda case: case[0])
+def test_small_faults_of_a_surface_are_mended(case, write):
+    name, points, faces = case
+    body = load_body()
+    again, plain = load_body_file(write(points, faces)), load_body_file(write(*surface(body)))
+    field, right = body_field(again), body_field(plain)
+    places = np.random.default_rng(1).uniform([-60, 5, -12], [60, 160, 12], (4000, 3))
+    gap = np.abs(field.at(places) - right.at(places))
+    assert np.percentile(gap, 99) < (0.6 if "cm" in name else 0.2), name
+    assert ((field.at(places) < 0) != (right.at(places) < 0)).mean() < 0.01
+
+
+def surface(body):
+    return body.vertices, body.faces
+
+
+def test_lips_that_lie_on_each_other_leave_no_hole_inside():
+    """Vertices of two closed parts in one place: the winding number decides inside."""
+    box = np.array([[x, y, z] for x in (0, 9) for y in (0, 9) for z in (0, 9.0)])
+    corners = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = np.array([f for a, b, c, d in corners for f in ((a, b, c), (a, c, d))])
+    above = box + np.array([0, 9, 0])
+    touching = distance_field(np.vstack([box, above]), np.vstack([faces, faces + 8]))
+    inside = touching.at(np.array([[4.5, 4.5, 4.5], [4.5, 13.5, 4.5], [4.5, 22.5, 4.5]])) < 0
+    assert inside.tolist() == [True, True, False]
+
+
 def bad_bodies():
     body = load_body()
     points, faces = body.vertices, body.faces
     broken = points.copy()
     broken[7] = np.nan
-    mixed = faces.copy()
-    mixed[::2] = mixed[::2, ::-1]
-    yield "hole", points, faces[1:], "not watertight"
+    x, y = np.meshgrid(np.linspace(-60, 60, 30), np.linspace(0, 166, 40))
+    sheet = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    at = np.arange(len(sheet)).reshape(x.shape)
+    left = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:]], axis=-1).reshape(-1, 3)
+    right = np.stack([at[:-1, :-1], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 3)
+    low, high = points[:, 1] < 95, points[:, 1] > 7
+    yield "flat sheet", sheet, np.vstack([left, right]), "is open: a hole 205 units across"
+    yield "legs only", points, faces[low[faces].all(1)], "is open: a hole 39.* units across"
+    yield "head missing", points, faces[(points[:, 1] < 143)[faces].all(1)], "is open"
+    yield "feet missing", points, faces[high[faces].all(1)], "has no feet"
     yield "nan", broken, faces, "no numbers"
-    yield "inside out in parts", points, mixed, "look in"
     yield "giant", points * 30, faces, "units high"
-    yield "upside down", points * [1, -1, -1], faces, "on its feet"
-    yield "sideways", points[:, [2, 1, 0]] * [1, 1, -1], faces, "faces sideways"
+    yield "lying", points @ turn(0, 40).T, faces, "leans by 40 degrees"
     yield "few", points[:4], np.array([[0, 1, 2]]), "triangles"
 
 
@@ -115,6 +224,22 @@ def test_what_is_no_body_is_refused_in_one_sentence(case, write):
     with pytest.raises(DraftError, match=message) as caught:
         load_body_file(write(points, faces))
     assert "\n" not in str(caught.value) and "mine.obj" in str(caught.value)
+
+
+def test_a_child_is_taken_with_a_warning(write):
+    body = load_body()
+    with pytest.warns(UserWarning, match="110 cm high"):
+        again = load_body_file(write(body.vertices * 110 / np.ptp(body.vertices[:, 1]), body.faces))
+    assert np.ptp(again.vertices[:, 1]) == pytest.approx(110)
+
+
+@pytest.mark.corpus
+@pytest.mark.parametrize("name", ["body-rounded-3/rounded_mm.obj", "body-smplx-eyes/open_eyes.obj"])
+@pytest.mark.filterwarnings("ignore:the body is in 3 parts")
+def test_bodies_as_others_save_them_are_taken(name, tmp_path):
+    folder = unpacked("faults/faults.tar.xz", tmp_path)
+    body = load_body_file(next(folder.rglob(name)))
+    assert np.ptp(body.vertices[:, 1]) == pytest.approx(166, abs=1)
 
 
 @pytest.mark.parametrize("ending", ["obj", "ply", "stl", "glb", "txt"])

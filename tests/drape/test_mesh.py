@@ -7,13 +7,21 @@ import pytest
 from hypothesis import given, settings
 
 from garmentimage import draft_pattern, kinds
-from garmentimage.drape.mesh import COARSEST, FINEST, mesh
+from garmentimage.drape.mesh import COARSEST, FINEST, mesh, missed
 from garmentimage.drape.rest import rest_of, strain
 from garmentimage.drape.triangulate import triangulate
 from garmentimage.errors import DrapeError
 from garmentimage.examples import example_names, example_path
 from garmentimage.geometry.curves import Bezier, Line
-from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
+from garmentimage.pattern.model import (
+    Edge,
+    Loop,
+    Panel,
+    Pattern,
+    Side,
+    Stitch,
+    loop_from_curves,
+)
 from garmentimage.pattern.spec import load_pattern, read_pattern
 from tests.corpus import corpus_sample
 from tests.garments import garments
@@ -293,3 +301,45 @@ def test_a_part_of_a_cloth_is_the_cloth_of_that_part():
     i, j = part.edges.T
     np.testing.assert_allclose(np.linalg.norm(points[i] - points[j], axis=1), part.length)
     np.testing.assert_allclose(strain(part, points), 0, atol=1e-12)
+
+
+def ring(name, count):
+    turn = 2 * np.pi * np.arange(count) / count
+    corners = tuple(zip((30 * np.cos(turn)).tolist(), (30 * np.sin(turn)).tolist()))
+    return Panel(name, Loop(corners, tuple(Edge(k, (k + 1) % count) for k in range(count))))
+
+
+@pytest.mark.parametrize(
+    "panels, sentence",
+    [
+        ([square("front", 5000.0)], "2.5e.03 m² of cloth.*check properties.units_in_meter"),
+        ([square(f"p{k}", 5.0) for k in range(501)], "501 panels; at most 500"),
+        ([ring("ruff", 6000)], "6000 of them round panel 'ruff'"),
+        (
+            [polygon_panel("far", (1e9, 0.0), (1e9 + 50, 0.0), (1e9, 50.0))],
+            "panel 'far' lies 1e.09 cm from its own origin",
+        ),
+    ],
+)
+def test_what_is_no_garment_is_refused_before_it_is_cut(panels, sentence):
+    with pytest.raises(DrapeError, match=sentence):
+        mesh(Pattern(tuple(panels), (), "too much"))
+
+
+@pytest.mark.parametrize("count", [300, 8000, 40_000])
+def test_the_number_of_vertices_is_met(count):
+    cloth = mesh(draft_pattern("tee"), vertices=count)
+    assert cloth.vertex_count == pytest.approx(count, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    "panel, asked, why",
+    [
+        (square("handkerchief", 30.0), 50_000, "edges shorter than 0.3 cm"),
+        (ring("ruff", 900), 100, "its outlines have so many"),
+        (square("cloth", 50.0), 1000, ""),
+    ],
+)
+def test_why_a_number_of_vertices_is_not_met_is_said(panel, asked, why):
+    count = mesh(Pattern((panel,), ()), vertices=asked).vertex_count
+    assert (why in missed(count, asked)) if why else missed(count, asked) == ""

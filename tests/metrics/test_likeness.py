@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import garmentimage as gi
+from garmentimage.compare.matching import POSES
+from garmentimage.compare.pairing import posed_panel
 from garmentimage.draft.sample import sample
 from garmentimage.metrics import interval, likeness, likeness_summary, validity
 from garmentimage.pattern.model import Side, Stitch
@@ -19,6 +21,7 @@ from tests.compare.garments import (
     transformed_panel,
     without_stitch,
 )
+from tests.corpus import unpacked
 
 KINDS = ("one-panel-dress", "top-pants", "shirt", "tee", "skirt")
 
@@ -41,6 +44,52 @@ def test_a_garment_is_like_itself_however_it_is_written(kind, seed, shift):
     assert told.rotation == pytest.approx(0, abs=0.5)
     assert told.translation == pytest.approx(0, abs=0.1)
     assert told.by_edge.f1 == told.by_length.f1 == 1
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.sampled_from(KINDS), st.integers(0, 50), st.lists(st.integers(0, 7), min_size=1))
+def test_the_frames_of_panels_say_nothing_of_the_garment(kind, seed, poses):
+    """Mirrored frames, too: the loop then runs the other way in them, as it should."""
+    truth = drawn(kind, seed)
+    panels = [
+        posed_panel(panel, POSES[poses[k % len(poses)]]) for k, panel in enumerate(truth.panels)
+    ]
+    told = likeness(truth, replace(truth, panels=tuple(panels)))
+    assert told.panel_iou == pytest.approx(1) and told.topology and told.valid
+    assert told.by_edge.f1 == told.by_length.f1 == 1
+    assert told.rotation == pytest.approx(0, abs=0.5)
+    assert told.translation == pytest.approx(0, abs=0.1)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.sampled_from(KINDS), st.integers(0, 50), st.integers(0, 7))
+def test_a_panel_in_another_frame_is_the_same_panel_at_the_same_place(kind, seed, pose):
+    panel = drawn(kind, seed).panels[0]
+    posed = posed_panel(panel, POSES[pose])
+    for before, after in zip(panel.curves, posed.curves, strict=True):
+        np.testing.assert_allclose(
+            posed.to_world(after.sample(8)), panel.to_world(before.sample(8)), atol=1e-6
+        )
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.sampled_from(KINDS), st.integers(0, 50))
+def test_what_channels_alone_bring_back_is_like_the_garment(kind, seed):
+    truth = drawn(kind, seed)
+    told = likeness(truth, gi.decode(gi.encode(truth).without_marks()))
+    assert told.topology and told.panels and told.valid
+    assert told.panel_iou > 0.95 and told.by_length.f1 == 1
+
+
+@pytest.mark.corpus
+@pytest.mark.slow
+def test_back_panels_with_the_rotation_of_the_front_are_not_paired_crosswise(tmp_path):
+    files = sorted(unpacked("faults/faults.tar.xz", tmp_path).rglob("public-likeness/*.json"))
+    assert files
+    for path in files:
+        truth = gi.load_pattern(path)
+        told = likeness(truth, gi.decode(gi.encode(truth).without_marks()))
+        assert told.topology and told.panel_iou > 0.9 and told.by_length.f1 > 0.95
 
 
 @settings(max_examples=10, deadline=None)

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from garmentimage.compare.matching import POSES
+from garmentimage.compare.pairing import posed_panel
 from garmentimage.draft.kinds import draft
 from garmentimage.errors import PatternError
 from garmentimage.examples import example_path
@@ -16,6 +18,7 @@ from garmentimage.metrics.published import (
     universal_translation,
 )
 from garmentimage.pattern.spec import load_pattern
+from tests.compare.garments import renamed_panels, shifted_loops
 
 MODES = ("neuraltailor", "sewformer", "aipparel")
 SQUARE = [(10, 0, 0, 0), (0, 10, 0, 0), (-10, 0, 0, 0), (0, -10, 0, 0)]
@@ -167,3 +170,33 @@ def test_slots_and_tags_that_cannot_be_are_refused():
         slots_of(replace(skirt, panels=skirt.panels[1:]), names)
     with pytest.raises(ValueError, match="not finite"):
         tag_stitches(np.full((1, 4, 3), np.nan), np.zeros((1, 4)), np.ones((1, 4), bool))
+
+
+@pytest.mark.parametrize("kind", ["skirt", "shirt", "top-pants"])
+def test_a_garment_of_other_names_frames_and_first_edges_takes_the_slots_of_the_true_one(kind):
+    truth = draft(kind)
+    names = [panel.name for panel in truth.panels]
+    poses = [POSES[k % len(POSES)] for k in range(len(names))]
+    drawn = tuple(posed_panel(p, pose) for p, pose in zip(truth.panels, poses, strict=True))
+    found = replace(truth, panels=drawn[::-1])
+    found = renamed_panels(shifted_loops(found, 2), lambda name: f"decoded {name}")
+    with pytest.raises(PatternError, match="give the true garment as like="):
+        slots_of(found, names, 20)
+    one, two = slots_of(truth, names, 20), slots_of(found, names, 20, like=truth)
+    assert one.stitches == two.stitches
+    np.testing.assert_allclose(one.edges, two.edges, atol=1e-6)
+    np.testing.assert_allclose(one.translations, two.translations, atol=1e-6)
+    for mode in MODES:
+        told = published_figures([one], [two], mode)
+        assert told["panels"] == told["edges"] == told["stitch_recall"] == 1
+        assert told["panel_l2"] == pytest.approx(0, abs=1e-6)
+
+
+def test_a_panel_too_many_takes_a_slot_that_is_left():
+    truth, more = draft("skirt"), draft("hoodie")
+    names = [panel.name for panel in truth.panels]
+    spare = [f"spare {k}" for k in range(len(more.panels))]
+    found = slots_of(more, [*names, *spare], 20, like=truth)
+    assert sum(count > 0 for count in found.counts) == len(more.panels)
+    with pytest.raises(PatternError, match="is in none of the slots"):
+        slots_of(more, names, 20, like=truth)

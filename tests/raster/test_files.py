@@ -29,6 +29,7 @@ MARK = PanelMark(
     split_of="whole \ud800",
     label="body",
     grain=(0.0, 1.0),
+    divisions=((2, 5, 0, (0.25, 0.5)), (2, 5, 3, (1.0,))),
 )
 
 in_one_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -152,6 +153,12 @@ def test_arrays_that_are_not_what_they_should_be_are_named(saved, name, array, w
         ({"anchor": [1, 10**400]}, "anchor"),
         ({"rotation": [1, 2]}, "rotation"),
         ({"grain": "up"}, "grain"),
+        ({"divisions": 3}, "divisions"),
+        ({"divisions": [[1, 1, 0, 0.5]]}, "divisions"),
+        ({"divisions": [[1, 1, 4, [0.5]]]}, "divisions"),
+        ({"divisions": [[1, 1, 0, [0.7, 0.5]]]}, "divisions"),
+        ({"divisions": [[1, 1, 0, [1.5]]]}, "divisions"),
+        ({"divisions": [[-1, 1, 0, [0.5]]]}, "divisions"),
     ],
 )
 def test_a_mark_that_makes_no_sense_is_refused(saved, change, words):

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from garmentimage import EncodeError
+from garmentimage.draft.kinds import draft
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
 from garmentimage.raster.canonical import canonical
@@ -110,6 +111,26 @@ def test_panels_far_off_the_body_are_refused_by_their_spread():
     drawing = drawing_of(first_layout(Pattern((near, far))), frame)
     with pytest.raises(EncodeError, match="units"):
         lattice_paths(drawing, FINE, 5.0)
+
+
+@pytest.mark.parametrize("arc", range(6))
+def test_an_arc_without_length_is_drawn_inside_the_grid(arc):
+    """Its vertices once had no weight and so no place: numbers that are none became indices."""
+    drawing = plain_drawing(draft("tee"))
+    curves, nodes = list(drawing.curves), drawing.node_target.copy()
+    curves[arc] = np.repeat(curves[arc][:1], len(curves[arc]), axis=0)
+    nodes[drawing.head[arc]] = nodes[drawing.tail[arc]]
+    crushed = replace(drawing, curves=tuple(curves), node_target=nodes)
+    coarse, wishes = compacted(crushed, route(crushed, FINE, 9.0, in_order=False), 1, 15)
+    assert np.isfinite(np.concatenate(wishes)).all()
+    assert_disjoint(crushed, polish(crushed, coarse, 1, 15))
+
+
+def test_a_garment_without_a_place_is_refused():
+    drawing = plain_drawing(draft("tee"))
+    lost = tuple(curve * np.nan for curve in drawing.curves)
+    with pytest.raises(EncodeError, match="no place on the grid"):
+        route(replace(drawing, curves=lost), FINE, 5.0)
 
 
 def test_a_symmetric_garment_is_drawn_as_a_half_and_unfolds_to_a_symmetric_whole():

@@ -173,9 +173,10 @@ def test_layouts_come_lazily_and_every_step_is_drawn_once():
 
 def test_more_edges_than_any_grid_has_room_for_are_refused():
     turn = np.linspace(0, 2 * np.pi, MOST_ARCS + 2)[:-1]
-    circle = list(zip((30 * np.cos(turn)).tolist(), (30 * np.sin(turn)).tolist()))
-    pattern = Pattern((polygon("round", circle, (0.0, 100.0, 20.0)),))
-    with pytest.raises(EncodeError, match="'round'"):
+    radius = np.where(np.arange(len(turn)) % 2, 30.0, 28.0)
+    star = list(zip((radius * np.cos(turn)).tolist(), (radius * np.sin(turn)).tolist()))
+    pattern = Pattern((polygon("star", star, (0.0, 100.0, 20.0)),))
+    with pytest.raises(EncodeError, match="'star'"):
         first_layout(pattern)
 
 

@@ -2,12 +2,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
-from garmentimage.errors import ImageError
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType
+from garmentimage.cli import main
+from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.sample import ANY_BODY, sample
+from garmentimage.errors import EncodeError, ImageError
+from garmentimage.raster.channel_kind import CHANNEL_KINDS
+from garmentimage.raster.encode import encode
+from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType, GarmentImage
 from garmentimage.raster.repair import LEVELS, repair
+from garmentimage.raster.walls import RARE_COST
+from tests.garments import garments
 from tests.raster.boards import board, with_types
 
 SHIRT = "........ .aaaaaa. .aaaaaa. bbaaaacc bbaaaacc .dddddd. .eeeeee. ........"
@@ -181,13 +188,16 @@ def test_band_between_two_unsure_seams_becomes_one_seam():
     assert sorted(seams) == [0, 6]
 
 
-def test_cell_that_a_likely_wall_cuts_off_is_no_panel_of_its_own():
-    """A network that is sure of two places of one seam draws both."""
-    mended, report = repair(uncertain(DRESS, [(0, 1, 2, 2)], 0.999))
+def test_cell_that_a_doubtful_wall_cuts_off_is_no_panel_of_its_own():
+    """A network that wavers between two places of one seam draws both."""
+    mended, report = repair(uncertain(DRESS, [(0, 1, 2, 2)], 0.8))
     assert mended.same_channels(DRESS)
-    assert report.counts["small regions merged"] == 1
-    certain = uncertain(DRESS, [(0, 1, 2, 2)], 1.0)
-    assert repair(certain)[0].edge_type[0, 1, 2, 2] == SIDE_BY_SIDE
+    assert report.counts["thin regions merged"] == 1
+
+
+def test_cell_that_a_sure_wall_cuts_off_is_a_panel_of_its_own():
+    mended, _ = repair(uncertain(DRESS, [(0, 1, 2, 2)], 0.9))
+    assert mended.edge_type[0, 1, 2, 2] == SIDE_BY_SIDE
 
 
 def test_cell_that_became_inside_gets_the_vectors_of_its_neighbours():
@@ -208,3 +218,137 @@ def test_unknown_level_and_bad_arrays_are_refused():
         repair(np.full((34, 16, 16), np.nan))
     with pytest.raises(ImageError, match="33 channels"):
         repair(np.zeros((33, 16, 16)))
+
+
+def shares(image, share, noise=0.0, seed=0):
+    """What is true has a share, the rest is spread evenly, with noise on the logits."""
+    rng = np.random.default_rng(seed)
+    block = image.to_channels().astype(float)
+    block = block.reshape(image.layers, CHANNELS_PER_LAYER, image.grid, image.grid)
+    flags = (2 * block[:, 0] - 1) * np.log(share / (1 - share))
+    block[:, 0] = 1 / (1 + np.exp(-flags - rng.normal(0, noise, flags.shape)))
+    types = np.where(block[:, 1:9] > 0.5, share, (1 - share) / 3)
+    types *= np.exp(rng.normal(0, noise, types.shape))
+    for first in (0, 4):
+        four = types[:, first : first + 4]
+        block[:, 1 + first : 5 + first] = four / four.sum(axis=1, keepdims=True)
+    return block.reshape(-1, image.grid, image.grid)
+
+
+CERTAINTIES = st.floats(0.99, 0.9999)
+
+
+@settings(deadline=None, max_examples=20)
+@given(garments(), CERTAINTIES, st.sampled_from(LEVELS))
+def test_a_garment_that_a_network_is_sure_of_keeps_every_panel_and_seam(pattern, share, level):
+    try:
+        image = encode(pattern, 16).without_marks()
+    except EncodeError:
+        reject()
+    expected, _ = repair(image, level)
+    assert repair(shares(image, share), level)[0].same_channels(expected)
+
+
+@pytest.mark.parametrize("kind", sorted(KINDS))
+def test_drafts_that_a_network_is_sure_of_keep_every_panel(kind):
+    for one in sample(kind, 3, 5, body=ANY_BODY):
+        image = encode(one.pattern, 16).without_marks()
+        mended, _ = repair(shares(image, 0.99, noise=0.3, seed=one.index), kind="shares")
+        assert mended.same_channels(image)
+
+
+@given(st.integers(2, 5), st.integers(2, 5), st.floats(0.6, 0.95), st.floats(1.0, 5.0))
+def test_surer_evidence_never_removes_more(row, col, share, factor):
+    """A dress with a dart and one more wall: once all of it is believed, it stays so."""
+    image = with_types(darted(), {(0, 0, row, col): SIDE_BY_SIDE})
+    odds = 3 * share / (1 - share)
+    less, more = (
+        repair(shares(image, odds**scale / (odds**scale + 3)), kind="shares")[0]
+        for scale in (1.0, factor)
+    )
+    expected, _ = repair(image)
+    assert more.same_channels(expected) or not less.same_channels(expected)
+    assert more.same_channels(expected) or np.log(odds) * factor < RARE_COST
+
+
+@pytest.mark.parametrize("place", [0, 1, 8, 17, 20])
+def test_one_outlier_does_not_change_what_the_numbers_are(place):
+    channels = shares(DRESS, 0.999)
+    channels[place, 0, 0] = -0.3
+    mended, report = repair(channels)
+    assert mended.same_channels(DRESS)
+    assert (report.kind, report.is_guess) == ("shares", True)
+
+
+@pytest.mark.parametrize(
+    ("channels", "kind", "is_guess"),
+    [
+        (DRESS.to_channels(), "channels", False),
+        (shares(DRESS, 0.8), "shares", True),
+        (logits(DRESS, 3.0), "logits", True),
+        (logits(DRESS, 0.5), "logits", True),
+    ],
+)
+def test_what_the_numbers_are_is_guessed_from_all_of_them(channels, kind, is_guess):
+    report = repair(channels)[1]
+    assert (report.kind, report.is_guess) == (kind, is_guess)
+    assert not repair(channels, kind=kind)[1].is_guess
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.02, 0.15))
+def test_outputs_of_squared_errors_are_channels(seed, noise):
+    rng = np.random.default_rng(seed)
+    channels = DRESS.to_channels().astype(float)
+    flags_and_types = np.arange(len(channels)) % CHANNELS_PER_LAYER < 9
+    channels[flags_and_types] += rng.normal(0, noise, channels[flags_and_types].shape).clip(
+        -0.4, 0.4
+    )
+    types = channels.reshape(2, CHANNELS_PER_LAYER, 8, 8)[:, 1:9].reshape(2, 2, 4, 8, 8)
+    assume((types.argmax(axis=2) == DRESS.edge_type).all())
+    for kind in (None, "channels"):
+        assert repair(channels, kind=kind)[0].same_channels(DRESS)
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([0.05, 0.3, 1.0, 10.0]),
+    st.sampled_from([None, *CHANNEL_KINDS]),
+)
+def test_from_channels_and_repair_see_the_same_image(seed, size, kind):
+    channels = np.random.default_rng(seed).normal(0.3, size, (2 * CHANNELS_PER_LAYER, 6, 6))
+    seen, _ = repair(channels, "none", kind=kind)
+    assert seen.same_channels(GarmentImage.from_channels(channels, kind=kind))
+
+
+def test_four_shares_of_zero_are_no_seam():
+    channels = DRESS.to_channels().copy()
+    channels[1:9, 0, 0] = 0
+    for kind in (None, *CHANNEL_KINDS):
+        assert repair(channels, "none", kind=kind)[0].same_channels(DRESS)
+
+
+def test_unknown_kind_is_refused():
+    with pytest.raises(Exception, match="odds"):
+        repair(DRESS.to_channels(), kind="odds")
+
+
+def test_lone_cell_goes_unless_a_network_is_sure_of_it():
+    inside, deformation = DRESS.inside.copy(), DRESS.deformation.copy()
+    inside[0, 7, 7], deformation[0, [0, 2], 0, 7, 7], deformation[0, [1, 3], 1, 7, 7] = True, 10, 10
+    alone = with_types(
+        replace(DRESS, inside=inside, deformation=deformation),
+        {(0, 0, 7, 7): NON_STITCH, (0, 1, 7, 7): NON_STITCH},
+    )
+    for share, expected in ((0.7, DRESS), (0.99, alone)):
+        is_doubted = alone.to_channels() != DRESS.to_channels()
+        channels = np.where(is_doubted, shares(alone, share), DRESS.to_channels())
+        assert repair(channels, kind="shares")[0].same_channels(expected)
+
+
+def test_the_command_says_what_it_took_the_numbers_for(tmp_path, capsys):
+    file, out = str(tmp_path / "soft.npy"), str(tmp_path / "out.json")
+    np.save(file, shares(DRESS, 0.99))
+    assert main(["decode", file, "-o", out]) == 0
+    assert "read as shares; give --kind" in capsys.readouterr().err
+    assert main(["decode", file, "-o", out, "--kind", "shares"]) == 0
+    assert "--kind" not in capsys.readouterr().err

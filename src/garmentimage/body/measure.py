@@ -209,11 +209,11 @@ def _arm(body: Body, shoulder: Vector) -> dict[str, float]:
 
 def _limb_girth(body: Body, point: Vector, axis: Vector) -> float:
     """Girth of the limb round `point`, square to its axis."""
-    return _girth_of(outline_at(body, point, axis), axis)
+    return girth(outline_at(body, point, axis), axis)
 
 
 def _level_girth(body: Body, height: float) -> float:
-    return _girth_of(trunk_outline(body, height), UP)
+    return girth(trunk_outline(body, height), UP)
 
 
 def _bust_girth(body: Body) -> float:
@@ -221,13 +221,13 @@ def _bust_girth(body: Body) -> float:
     side = body.landmarks["left_side"] * [CHEST_SIDE, 1, 1]
     limit = np.array([body.landmarks["left_side"][0] * CHEST_PLATE, np.inf, np.inf])
     tape = np.vstack([np.clip(outline, -limit, limit), side, side * [-1, 1, 1]])
-    return _girth_of(tape, UP)
+    return girth(tape, UP)
 
 
 def _slanted_girth(body: Body, front: Vector, back: Vector) -> float:
     """Girth in the plane through two points of the middle, front and back, level sideways."""
     normal = np.cross(ACROSS, back - front)
-    return _girth_of(outline_at(body, (front + back) / 2, normal), normal)
+    return girth(outline_at(body, (front + back) / 2, normal), normal)
 
 
 def _neck_base_girth(body: Body) -> float:
@@ -241,7 +241,7 @@ def _neck_base_girth(body: Body) -> float:
     return float(np.pi * (3 * (a + b) - np.sqrt((3 * a + b) * (a + 3 * b))))
 
 
-def _girth_of(outline: Points, normal: Vector) -> float:
+def girth(outline: Points, normal: Vector) -> float:
     """Tape round an outline that lies in a plane of the given normal."""
     first = np.cross(normal, FORWARD if abs(normal[2]) < abs(normal[1]) else UP)
     first /= np.linalg.norm(first)

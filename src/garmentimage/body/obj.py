@@ -1,6 +1,7 @@
 """A body of one's own, from a mesh file: checked, stood upright, and marked.
 
-OBJ, PLY, STL and GLB are read, in metres, decimetres, centimetres or millimetres, with y or z up.
+OBJ, PLY, STL and GLB are read, in m, dm, cm, mm, feet or inches, any side up (`upright`). Small
+faults of the surface are mended (`mend`).
 Nothing beside the file is opened: textures and materials do not matter here.
 """
 
@@ -15,23 +16,27 @@ from jaxtyping import Float, Int
 
 from garmentimage.body.body import Body
 from garmentimage.body.marks import mark, trunk_section
+from garmentimage.body.mend import SMALL_PART, Faces, Points, Surface, parts, size, united, welded
+from garmentimage.body.upright import ADULT, upright
 from garmentimage.errors import DraftError
 from garmentimage.files import shown_path
 
 MESH_FORMATS = ("obj", "ply", "stl", "glb")
 """Endings of files that are read."""
-FILE_LIMIT = 200_000_000
+FILE_LIMIT = 100_000_000
 """Bytes of a file."""
 FACE_RANGE = (500, 400_000)
 """Triangles of a body: with fewer there is no shape, more only cost time."""
-STATURES = (1.2, 2.3)
-"""Least and greatest stature of a body [m]; outside of it, the unit is another."""
-UNITS = {"m": 100.0, "dm": 10.0, "cm": 1.0, "mm": 0.1}
-"""Units that a file may be in, and their lengths [cm]."""
-FOOT = 0.03
-"""Height up to which a foot is looked at for where its toes point, as a share of the stature."""
-ANKLE = (0.05, 0.08)
-"""Heights between which the leg lies above the heel, as shares of the stature."""
+HOLE, SOLE = 0.1, 0.2
+"""Holes up to this size are closed, as shares of the stature: eyes, mouths, cut fingers; and soles
+on the floor."""
+AT_END, TOP_HOLE = 0.03, 0.04
+"""Within this share of the stature from the top no hole may be larger than the second share: the
+head is missing."""
+ANKLES, FOOT_LENGTH = 0.05, 0.1
+"""Below the first share of the stature, feet are at least as long as the second."""
+NECK, HEAD_WIDTH = 0.9, 0.25
+"""Above the first share of the stature, a body is no wider than the second."""
 LEGS_END = 0.3
 """Below this share of the stature nothing of a standing body is in its middle."""
 STRAIGHT_ARM = np.deg2rad(22.5)
@@ -41,25 +46,29 @@ STRAIGHT_ARM = np.deg2rad(22.5)
 def load_body_file(path: str | os.PathLike[str]) -> Body:
     """A body from a mesh file.
 
-    The body must be one closed surface in the T pose or the A pose, legs apart. It is scaled to
-    cm, turned to y up and to face +z by its feet, and put on the floor. Loose parts (eyes, lashes)
-    are left out with a warning. Landmarks come from the proportions of adults; see `marks`.
+    The body must stand in the T pose or the A pose, legs apart. It is scaled to cm, turned to y up
+    and to face +z by its feet, and put on the floor. Small holes are closed, and loose parts (eyes,
+    lashes) left out with a warning. Landmarks come from the proportions of adults; see `marks`.
 
     Raises:
         DraftError: the file cannot be read, or is no such body.
     """
     try:
-        points, faces = _closed(*_largest(*_read(path)))
-        points = _upright(points)
-        return _body(points, faces, Path(path).stem)
+        used = _joined(*_read(path))
+        points, faces = united(used)
+        rims = used[0].rims
+        for rim in rims:
+            if size(points[rim]) > SOLE * np.ptp(points, axis=0).max():
+                raise _open(points, rim)
+        standing = upright(points, faces)
+        _check_rims(points, standing, rims)
+        return _body(standing, faces, Path(path).stem)
     except DraftError as error:
         raise DraftError(f"{shown_path(path)}: {error}") from None
 
 
-def _read(
-    path: str | os.PathLike[str],
-) -> tuple[Float[np.ndarray, "vertex 3"], Int[np.ndarray, "face 3"]]:
-    """Points in the file's units, equal ones once, and the triangles between them."""
+def _read(path: str | os.PathLike[str]) -> tuple[Points, Faces]:
+    """Points in the file's units and the triangles between them."""
     import trimesh
 
     ending = Path(path).suffix.lower().removeprefix(".")
@@ -80,8 +89,7 @@ def _read(
         raise DraftError(f"has {len(faces)} triangles; a body has {low} to {high}")
     if not np.isfinite(points).all() or faces.min() < 0 or faces.max() >= len(points):
         raise DraftError("has points that are no numbers or do not exist; export it again")
-    points, number = np.unique(points, axis=0, return_inverse=True)
-    return points, number.reshape(-1)[faces]
+    return points, faces
 
 
 def _bytes(path: str | os.PathLike[str]) -> bytes:
@@ -102,92 +110,70 @@ def _bytes(path: str | os.PathLike[str]) -> bytes:
     return raw
 
 
-def _largest(
-    points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
-) -> tuple[Float[np.ndarray, "kept 3"], Int[np.ndarray, "part 3"]]:
-    """The connected part with the most triangles, its vertices numbered anew."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+def _joined(points: Points, faces: Faces) -> list[Surface]:
+    """The parts of a body that are used; what is small beside it, as eyes are, is left out.
 
-    ends = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
-    joined = coo_array((np.ones(len(ends)), tuple(ends.T)), shape=(len(points), len(points)))
-    _, part = connected_components(joined, directed=False)
-    sizes = np.bincount(part[faces[:, 0]])
-    kept = faces[part[faces[:, 0]] == sizes.argmax()]
-    if len(kept) < len(faces):
+    Of parts that are open, only the largest is kept, whose holes can be told then.
+    """
+    surface = welded(points, faces)
+    if not len(surface.faces):
+        raise DraftError("has no triangles with an extent; export it again")
+    every = parts(surface)
+    least = SMALL_PART * size(every[0].points)
+    kept = every[:1] + [p for p in every[1:] if size(p.points) >= least and not p.rims]
+    if len(kept) < len(every):
+        count, whole = sum(len(p.faces) for p in kept), len(surface.faces)
         warnings.warn(
-            f"the body is in {np.count_nonzero(sizes)} parts; only the largest is used "
-            f"({len(kept)} of {len(faces)} triangles)",
+            f"the body is in {len(every)} parts; {_used(len(kept))} used ({count} of {whole} "
+            "triangles)",
             stacklevel=3,
         )
-    used, number = np.unique(kept, return_inverse=True)
-    return points[used], number.reshape(kept.shape)
+    return kept
 
 
-def _closed(
-    points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
-) -> tuple[Float[np.ndarray, "vertex 3"], Int[np.ndarray, "face 3"]]:
-    """The same surface, looking outwards, if it is closed."""
-    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    ways = sides[:, 0] * len(points) + sides[:, 1]
-    back = sides[:, 1] * len(points) + sides[:, 0]
-    _, uses = np.unique(np.minimum(ways, back), return_counts=True)
-    if (uses != 2).any():
-        raise DraftError(
-            f"is not watertight ({(uses != 2).sum()} of {len(uses)} edges do not have a triangle "
-            "on each side); close its holes"
-        )
-    if not np.array_equal(np.sort(ways), np.sort(back)):
-        raise DraftError("has triangles that look in and others that look out; make them agree")
-    a, b, c = np.moveaxis(points[faces], 1, 0)
-    volume = np.einsum("ij,ij->", a - points[0], np.cross(b - points[0], c - points[0]))
-    return points, faces if volume > 0 else faces[:, ::-1]
+def _used(count: int) -> str:
+    return "only the largest is" if count == 1 else f"the {count} that are large are"
 
 
-def _upright(points: Float[np.ndarray, "vertex 3"]) -> Float[np.ndarray, "vertex 3"]:
-    """The points in cm, y up, feet on the floor, facing +z, the middle of the span at x = 0.
+def _check_rims(points: Points, standing: Points, rims: list[Int[np.ndarray, " corner"]]) -> None:
+    """Refuse holes that no cap can stand for.
 
-    From front to back a body with its arms lifted is thinner than it is wide or high, so the
-    thinnest direction tells which way is up.
+    Args:
+        points: the body in its file.
+        standing: the same points as they stand [cm].
+        rims: corners round each hole.
     """
-    thinnest = int(np.ptp(points, axis=0).argmin())
-    if thinnest == 0:
-        raise DraftError("faces sideways; turn it to face +z with y up, or -y with z up")
-    if thinnest == 1:
-        points = points[:, [0, 2, 1]] * [1, 1, -1]
-    points = points * _unit(float(np.ptp(points[:, 1])))
-    low, high = points.min(0), points.max(0)
-    points = points - [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]
-    return points if _toes_forward(points) else points * [-1, 1, -1]
+    stature = float(standing[:, 1].max())
+    for rim in rims:
+        low, high = standing[rim, 1].min() / stature, standing[rim, 1].max() / stature
+        across = size(standing[rim]) / stature
+        if across > (SOLE if high < AT_END else HOLE) or (low > 1 - AT_END and across > TOP_HOLE):
+            raise _open(points, rim)
 
 
-def _unit(height: float) -> float:
-    low, high = STATURES
-    for size in UNITS.values():
-        if low * 100 <= height * size <= high * 100:
-            return size
-    raise DraftError(
-        f"is {height:g} units high; a body is {low:g} to {high:g} m in {', '.join(UNITS)}"
+def _open(points: Points, rim: Int[np.ndarray, " corner"]) -> DraftError:
+    place = ", ".join(f"{x:.3g}" for x in (points[rim].min(0) + points[rim].max(0)) / 2)
+    return DraftError(
+        f"is open: a hole {size(points[rim]):.3g} units across lies at ({place}) in the file's "
+        "coordinates, so that the body has no inside; close it, or export the whole body"
     )
 
 
-def _toes_forward(points: Float[np.ndarray, "vertex 3"]) -> bool:
-    height, depth = points[:, 1] / np.ptp(points[:, 1]), points[:, 2]
-    foot, leg = depth[height < FOOT], depth[(height > ANKLE[0]) & (height < ANKLE[1])]
-    middle = (leg.max() + leg.min()) / 2 if len(leg) else 0.0
-    return bool(foot.max() - middle >= middle - foot.min())
-
-
-def _body(
-    points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"], name: str
-) -> Body:
+def _body(points: Points, faces: Faces, name: str) -> Body:
     """The body with its landmarks, z = 0 halfway through its waist."""
+    _check_ends(points)
     bare = Body(points, faces.astype(np.int32), name, "t", {})
     lowest = float(trunk_section(bare)[:, 1].min())
     if lowest < LEGS_END * points[:, 1].max():
         raise DraftError(
             f"is closed down to {lowest:.0f} cm over the floor in its middle (x = 0); "
             "stand it on its feet, legs apart, alike on both sides"
+        )
+    if points[:, 1].max() < ADULT:
+        warnings.warn(
+            f"the body is {points[:, 1].max():.0f} cm high; its neck, shoulders and waist are "
+            "looked for where an adult has them, which is too low on a child",
+            stacklevel=3,
         )
     place, middle = mark(bare)
     shift = np.array([0.0, 0.0, middle])
@@ -196,6 +182,17 @@ def _body(
     for array in (points, bare.faces, *place.values()):
         array.setflags(write=False)
     return Body(points, bare.faces, name, _pose(place), MappingProxyType(place))
+
+
+def _check_ends(points: Points) -> None:
+    """Refuse a body without feet or head: all its heights would be wrong."""
+    stature = points[:, 1].max()
+    if np.ptp(points[points[:, 1] < ANKLES * stature, 2]) < FOOT_LENGTH * stature:
+        raise DraftError("has no feet, so that its heights cannot be told; export the whole body")
+    if np.ptp(points[points[:, 1] > NECK * stature, 0]) > HEAD_WIDTH * stature:
+        raise DraftError(
+            "has no head, or lifts its arms above it; export the whole body in the T or the A pose"
+        )
 
 
 def _pose(place: dict[str, Float[np.ndarray, " 3"]]) -> str:

@@ -105,7 +105,7 @@ def match_panels(
     from scipy.optimize import linear_sum_assignment
 
     score = iou_matrix(a.panels, b.panels, any_pose=any_pose)
-    score = score + PLACEMENT_WEIGHT * _nearness(a.panels, b.panels)
+    score = score + PLACEMENT_WEIGHT * nearness(a.panels, b.panels)
     if by_name:
         names = np.array([[p.name == q.name for q in b.panels] for p in a.panels], float)
         # One shared name outweighs all that shape and placement can say together.
@@ -281,7 +281,7 @@ def _best_start(ours: np.ndarray, theirs: np.ndarray) -> tuple[float, int]:
     return float(apart.min()), int(starts[apart.argmin()])
 
 
-def _nearness(a: Sequence[Panel], b: Sequence[Panel]) -> Float[np.ndarray, "a b"]:
+def nearness(a: Sequence[Panel], b: Sequence[Panel]) -> Float[np.ndarray, "a b"]:
     """1 where two panels stand at the same place of their garments, falling to 0."""
     places = [_places(a), _places(b)]
     gaps = np.linalg.norm(places[0][:, None] - places[1][None], axis=2)

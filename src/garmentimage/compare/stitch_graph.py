@@ -23,7 +23,7 @@ from math import dist, sqrt
 
 import numpy as np
 
-from garmentimage.compare.matching import MIRRORED, POSES, TURNED, loop_polygon
+from garmentimage.compare.matching import MIRRORED, POSES, TURNED
 from garmentimage.geometry.curves import Curve, Point
 from garmentimage.geometry.polygons import centroid, signed_area
 from garmentimage.pattern.model import Pattern
@@ -145,7 +145,7 @@ def stitch_graph(pattern: Pattern) -> StitchGraph:
 
     The pattern's stitches must name existing edges, each at most once (see `validity`).
     """
-    outlines = {p.name: loop_polygon(p.outline) for p in pattern.panels}
+    outlines = {p.name: p.outline.fine_polygon for p in pattern.panels}
     centres = {name: centroid(outline) for name, outline in outlines.items()}
     sides = []
     for run in sewn_runs(pattern):
@@ -164,6 +164,9 @@ def stitch_graph(pattern: Pattern) -> StitchGraph:
 
 def _middle(curves: Sequence[Curve], centre: np.ndarray) -> Point:
     """The point halfway along a run of curves, seen from `centre` [cm]."""
+    if len(curves) == 1 and curves[0].is_straight:
+        (x0, y0), (x1, y1) = curves[0].start, curves[0].end
+        return float((x0 + x1) / 2 - centre[0]), float((y0 + y1) / 2 - centre[1])
     left = sum(curve.length for curve in curves) / 2
     for curve in curves[:-1]:
         if left <= curve.length:

@@ -7,6 +7,7 @@ from numba import njit
 
 def crossing_count(points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]) -> int:
     """How many triangles pass through another that has no vertex in common with them."""
+    assert np.isfinite(points).all() and 0 <= faces.min() <= faces.max() < len(points)
     low, high = points.min(axis=0), points.max(axis=0)
     longest = np.linalg.norm(points[faces] - points[np.roll(faces, 1, axis=1)], axis=2).max()
     size = max(float(longest), float((high - low).max()) / MOST_BINS, 1e-6)

@@ -1,9 +1,11 @@
 """How far every place is from a body: the obstacle that cloth comes to rest on.
 
-Near the skin the distance is exact, with its sign from angle-weighted pseudonormals (Baerentzen and
-Aanaes 2005, "Signed distance computation using the angle weighted pseudonormal"). Farther off it is
-carried on from node to node along the grid and its diagonals (a chamfer distance, Borgefors 1986),
-which makes it too great by up to an eighth.
+Near the skin the distance is exact. Farther off it is carried on from node to node along the grid
+and its diagonals (a chamfer distance, Borgefors 1986), which makes it too great by up to an eighth.
+Inside of a body is where its surface goes round by the winding number, so that lips that touch and
+folds do no harm. Cloth has no inside: the sign of its distance is that of angle-weighted
+pseudonormals (Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted
+pseudonormal").
 """
 
 from dataclasses import dataclass, replace
@@ -22,6 +24,8 @@ PAD = 5.0
 """The grid goes this far beyond the body [cm]; nothing farther off can touch it."""
 BAND = 2.0
 """Distances are exact up to this far from a body's skin [cm]."""
+BESIDE = np.array([1.2e-5, 2.3e-5, 0.0])
+"""How far beside a node its line of crossings runs [cells]."""
 CLOTH_BAND = 2.2
 """What lies up to this far behind settled cloth counts as inside [cm]."""
 FIELDS_KEPT = 4
@@ -92,7 +96,7 @@ def distance_field(
     cell: float = CELL,
     pad: float = PAD,
 ) -> DistanceField:
-    """The signed distance to a closed surface.
+    """The signed distance to a closed surface, which may touch itself and pass through itself.
 
     Args:
         points: vertices of the surface [cm].
@@ -106,6 +110,8 @@ def distance_field(
     shape = tuple(ceil(s / cell) + 1 for s in size)
     values = _near(shape, origin, cell, points, faces, BAND)
     _carry_on(values, cell)
+    inside = _winding(shape, np.ascontiguousarray((points - origin) / cell), faces) > 0
+    values = np.where(inside, -np.abs(values), np.abs(values))
     values.setflags(write=False)
     return DistanceField(values, origin, cell)
 
@@ -193,6 +199,52 @@ def _sweep(values, far, cell):
                 values[i, j, k] = best
 
 
+def _winding(
+    shape: tuple[int, ...],
+    points: Float[np.ndarray, "vertex 3"],
+    faces: Int[np.ndarray, "face 3"],
+) -> Int[np.ndarray, "x y z"]:
+    """How often a closed surface goes round each node; `points` in cells from the first node.
+
+    Along each line of nodes, the number changes where the surface is crossed. The lines lie a hair
+    beside the nodes, so that they do not run through its edges and corners.
+    """
+    turns = np.zeros(shape, np.int32)
+    _count_crossings(turns, points - BESIDE, faces.astype(np.int64))
+    return np.cumsum(turns, axis=2, dtype=np.int32)
+
+
+@njit(cache=True)
+def _count_crossings(turns, points, faces):
+    """At the first node behind each crossing: 1 where it leads in, -1 where it leads out."""
+    nx, ny, nz = turns.shape
+    for f in range(len(faces)):
+        a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
+        for i in range(_from(a[0], b[0], c[0]), _to(a[0], b[0], c[0], nx)):
+            for j in range(_from(a[1], b[1], c[1]), _to(a[1], b[1], c[1], ny)):
+                at_c = (b[0] - a[0]) * (j - a[1]) - (b[1] - a[1]) * (i - a[0])
+                at_a = (c[0] - b[0]) * (j - b[1]) - (c[1] - b[1]) * (i - b[0])
+                at_b = (a[0] - c[0]) * (j - c[1]) - (a[1] - c[1]) * (i - c[0])
+                if at_a > 0.0 and at_b > 0.0 and at_c > 0.0:
+                    way = -1
+                elif at_a < 0.0 and at_b < 0.0 and at_c < 0.0:
+                    way = 1
+                else:
+                    continue
+                height = (at_a * a[2] + at_b * b[2] + at_c * c[2]) / (at_a + at_b + at_c)
+                turns[i, j, min(max(int(np.ceil(height)), 0), nz - 1)] += way
+
+
+@njit(cache=True)
+def _from(a, b, c):
+    return max(int(np.ceil(min(a, b, c))), 0)
+
+
+@njit(cache=True)
+def _to(a, b, c, count):
+    return min(int(np.floor(max(a, b, c))) + 1, count)
+
+
 @njit(cache=True)
 def sample(values, origin, per_cell, x, y, z):
     """Distance at a place, interpolated linearly along each axis, and its slope (4 numbers)."""
@@ -200,7 +252,8 @@ def sample(values, origin, per_cell, x, y, z):
     u = min(max((x - origin[0]) * per_cell, 0.0), nx - 1.0)
     v = min(max((y - origin[1]) * per_cell, 0.0), ny - 1.0)
     w = min(max((z - origin[2]) * per_cell, 0.0), nz - 1.0)
-    i, j, k = min(int(u), nx - 2), min(int(v), ny - 2), min(int(w), nz - 2)
+    # What is no number is taken to lie at the grid's corner: its index must not leave the array.
+    i, j, k = max(min(int(u), nx - 2), 0), max(min(int(v), ny - 2), 0), max(min(int(w), nz - 2), 0)
     u, v, w = u - i, v - j, w - k
     low00, low01 = values[i, j, k], values[i, j, k + 1]
     low10, low11 = values[i, j + 1, k], values[i, j + 1, k + 1]
@@ -306,6 +359,9 @@ def _nearest_on_triangle(x, y, z, a, b, c):
         whole = (d4 - d3) + (d5 - d6)
         t = (d4 - d3) / whole if whole > 0.0 else 0.0
         return b[0] + t * (c[0] - b[0]), b[1] + t * (c[1] - b[1]), b[2] + t * (c[2] - b[2]), 2
-    scale = 1.0 / (over_ab + over_bc + over_ca)
+    total = over_ab + over_bc + over_ca
+    if total <= 0.0:  # A triangle that rounding has made a line; its neighbours are as near.
+        return a[0], a[1], a[2], 4
+    scale = 1.0 / total
     s, t = over_ca * scale, over_ab * scale
     return a[0] + s * ux + t * vx, a[1] + s * uy + t * vy, a[2] + s * uz + t * vz, 0

@@ -6,19 +6,22 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.body.body import Body
+from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.crossings import crossing_count
 from garmentimage.drape.field import body_field
+from garmentimage.drape.fit import tight_places
 from garmentimage.drape.girths import shoulder, waist_height
 from garmentimage.drape.held import Held
 from garmentimage.drape.items import Item
 from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
-from garmentimage.drape.rest import Rest, most_strain
+from garmentimage.drape.rest import Rest, most_strain, strain
+from garmentimage.drape.skin import deepest
 from garmentimage.drape.solver import Motion
 from garmentimage.drape.stand import EASE, ELASTIC, TIGHT, Standing, on_hips
 from garmentimage.drape.worn import DrapeReport
 
 DEEPEST = 0.5
-"""A vertex may lie this far under the skin [cm]."""
+"""Cloth may lie this far under the skin [cm]."""
 MOST_STRAIN = 0.25
 """All but a hundredth of the cloth, by area, may stretch by this share."""
 MOST_SLID = 3.0
@@ -33,6 +36,7 @@ RESTING = 25
 
 
 def judge(
+    cloth: Cloth,
     rest: Rest,
     start: Float[np.ndarray, "vertex 3"],
     points: Float[np.ndarray, "vertex 3"],
@@ -45,7 +49,8 @@ def judge(
     """What came of a drape.
 
     Args:
-        rest: the cloth.
+        cloth: the sewn garment ...
+        rest: ... and what it is without strain.
         start: where its vertices began [cm].
         points: where they are now [cm].
         body: who wears it.
@@ -57,8 +62,9 @@ def judge(
     frames = max(m.frames for m in motions)
     speed = max(float(m.speeds[-1]) for m in motions)
     above = body_field(body).at(points)
-    penetration = max(0.0, -float(above.min()))
+    penetration = deepest(points, rest.faces, body)
     stretch = most_strain(rest, points)
+    tight = tight_places(cloth, strain(rest, points), points, body) if stretch > MOST_STRAIN else ""
     slid = _slid(points, start, above, body, items)
     return DrapeReport(
         settled=settled,
@@ -71,7 +77,7 @@ def judge(
         held=sum(len(i.held) for i in items) / len(points),
         items=len(items),
         faults=(
-            *_motion_faults(settled, frames, speed, penetration, stretch),
+            *_motion_faults(settled, frames, speed, penetration, stretch, tight),
             *_slid_faults(points, start, above, body, items),
             *_limb_faults(rest.faces, start, points, body),
         ),
@@ -147,6 +153,7 @@ def _motion_faults(
     speed: float,
     penetration: float,
     stretch: float,
+    tight: str,
 ) -> list[str]:
     faults = []
     if not settled:
@@ -155,8 +162,7 @@ def _motion_faults(
         faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {DEEPEST})")
     if stretch > MOST_STRAIN:
         faults.append(
-            f"it is too tight: stretched by {stretch:.1%} (at most {MOST_STRAIN:.0%}); choose a "
-            "larger size, another body, or a pose in which its sleeves are drawn"
+            f"it is too tight: stretched by {stretch:.1%} (at most {MOST_STRAIN:.0%}), {tight}"
         )
     return faults
 

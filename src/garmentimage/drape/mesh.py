@@ -25,9 +25,12 @@ VERTICES = 2000
 """Vertices of a garment unless asked otherwise."""
 FEWEST, MOST = 50, 100_000
 """Numbers of vertices that can be asked for."""
-MOST_CORNERS = 300_000
-"""A garment whose edges alone need more is no garment."""
-FINEST, COARSEST = 0.5, 6.0
+MOST_PANELS, MOST_EDGES, MOST_CLOTH = 500, 5_000, 40.0
+"""Panels, edges and cloth [m²] of a garment that is draped. With the most cloth in designs by
+others it has 8 m²; more of any would take minutes, and tells of wrong units or of a tracing."""
+FARTHEST = 1e5
+"""Distance of a panel's vertices from its origin [cm]; farther off, triangles lose their shape."""
+FINEST, COARSEST = 0.3, 6.0
 """Bounds of the edge length [cm]: finer than the thickness kept between cloth and skin tells
 nothing, coarser no sleeve goes round a wrist. A tiny garment has fewer vertices than asked for, a
 huge one more."""
@@ -60,11 +63,14 @@ def mesh(pattern: Pattern, *, vertices: int = VERTICES) -> Cloth:
     Args:
         pattern: a garment that passes `check_pattern`.
         vertices: how many to make once sewn; met within a tenth unless the edge length
-            reaches a bound (0.5 or 6 cm) or the panels have more vertices by themselves.
+            reaches a bound (0.3 or 6 cm) or the panels have more vertices by themselves, see
+            `missed`.
 
     Raises:
-        DrapeError: a panel that has no triangles; names the panel.
+        DrapeError: a garment too large for any body, or a panel that has no triangles; names the
+            panel.
     """
+    check_size(pattern)
     if not FEWEST <= vertices <= MOST:
         raise DrapeError(f"{vertices} vertices; ask for {FEWEST} to {MOST}")
     length = _first_length(pattern, vertices)
@@ -75,6 +81,51 @@ def mesh(pattern: Pattern, *, vertices: int = VERTICES) -> Cloth:
             break
         length = better
     return cloth
+
+
+def missed(count: int, asked: int) -> str:
+    """Why a cloth has another number of vertices than was asked for; nothing where it is met."""
+    if abs(count / asked - 1) <= COUNT_TOL:
+        return ""
+    why = (
+        f"edges shorter than {FINEST:g} cm would tell nothing"
+        if count < asked
+        else f"its outlines have so many, and edges are no longer than {COARSEST:g} cm"
+    )
+    return f"the cloth has {count} vertices instead of {asked}: {why}"
+
+
+def check_size(pattern: Pattern) -> None:
+    """Refuse what is too large to be a garment, or to be draped in reasonable time.
+
+    Raises:
+        DrapeError: says what it has too much of.
+    """
+    panels, edges = pattern.panels, sum(len(p.edges) for p in pattern.panels)
+    if len(panels) > MOST_PANELS:
+        raise DrapeError(
+            f"it has {len(panels)} panels; at most {MOST_PANELS} can be draped: take fewer garments"
+        )
+    if edges > MOST_EDGES:
+        largest = max(panels, key=lambda p: len(p.edges))
+        raise DrapeError(
+            f"it has {edges} edges, {len(largest.edges)} of them round panel "
+            f"{quoted(largest.name)}; at most {MOST_EDGES} can be draped: trace it in longer "
+            "steps, or make one curve of edges that go on smoothly"
+        )
+    for panel in panels:
+        away = float(np.abs(panel.outline.polygon).max())
+        if away > FARTHEST:
+            raise DrapeError(
+                f"panel {quoted(panel.name)} lies {away:.3g} cm from its own origin, where numbers "
+                f"are too coarse; move its vertices within {FARTHEST:g} cm"
+            )
+    cloth = sum(abs(p.outline.area) for p in panels) / 1e4
+    if cloth > MOST_CLOTH:
+        raise DrapeError(
+            f"it has {cloth:.3g} m² of cloth, more than any garment ({MOST_CLOTH:g}): its units "
+            "are others; check properties.units_in_meter, which is 100 for cm and 1000 for mm"
+        )
 
 
 def _first_length(pattern: Pattern, vertices: int) -> float:
@@ -123,11 +174,6 @@ def _mesh(pattern: Pattern, length: float) -> Cloth:
 def _parts(pattern: Pattern, length: float) -> dict[Side, int]:
     """How many parts each side has; the same on both sides of a stitch."""
     first = {s: max(1, round(pattern.curve(s).length / length)) for s in pattern.sides()}
-    if sum(first.values()) > MOST_CORNERS:
-        raise DrapeError(
-            f"the garment's edges are {sum(first.values()) * length / 100:.0f} m long, too much "
-            "for one garment; check the units"
-        )
     own: dict[Side, int] = {}
     for panel in pattern.panels:
         widths = cloth_widths(_rings(panel, first))

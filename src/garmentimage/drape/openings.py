@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.body.body import Body
+from garmentimage.body.mend import agreeing
 
 BONES: Mapping[str, tuple[str, ...]] = {
     "head": ("neck_joint", "face"),
@@ -75,7 +76,8 @@ def openings(faces: Int[np.ndarray, "face 3"]) -> list[Int[np.ndarray, " n"]]:
     Where openings meet in one vertex, lines end there and go on arbitrarily but the same way on
     every run; their turns add up all the same.
     """
-    directed, inverse, count = _sides(_turned_alike(faces))
+    # Lapels are sewn on with the same side of the cloth down.
+    directed, inverse, count = _sides(agreeing(faces))
     free = directed[count[inverse] == 1]
     following: dict[int, list[int]] = {}
     for a, b in free.tolist():
@@ -102,31 +104,6 @@ def _sides(faces: Int[np.ndarray, "face 3"]) -> tuple[np.ndarray, np.ndarray, np
     key = low.astype(np.int64) * (high.max() + 1) + high
     _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
     return directed, inverse, count
-
-
-def _turned_alike(faces: Int[np.ndarray, "face 3"]) -> Int[np.ndarray, "face 3"]:
-    """The triangles, all with the same side of the cloth up: lapels are sewn on with theirs down.
-
-    Cloth that has one side only, like a Möbius strip, is left as it is.
-    """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    directed, inverse, count = _sides(faces)
-    order = np.argsort(inverse, kind="stable")
-    pairs = order[(count == 2)[inverse[order]]].reshape(-1, 2)
-    unlike = directed[pairs[:, 0], 0] == directed[pairs[:, 1], 0]
-    if not unlike.any():
-        return faces
-    # Every triangle is there twice, as it is and turned; neighbours are joined where they agree.
-    n = len(faces)
-    a, b = pairs.T // 3
-    rows = np.concatenate([a, a + n])
-    columns = np.concatenate([b + n * unlike, b + n * ~unlike])
-    graph = coo_array((np.ones(len(rows), bool), (rows, columns)), shape=(2 * n, 2 * n))
-    _, label = connected_components(graph, directed=False)
-    turned = label[:n] > label[n:]
-    return np.where(turned[:, None], faces[:, ::-1], faces)
 
 
 def turns(

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 from garmentimage.body.body import Body
 from garmentimage.body.stance import wearer
+from garmentimage.drape.fit import AUTO, best_fit
+from garmentimage.drape.mesh import check_size
 from garmentimage.drape.stand import standing
 from garmentimage.drape.wear import check_placed
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
@@ -25,9 +27,12 @@ def outfit(
 
     Raises:
         DraftError: `made_for` is no stature.
-        DrapeError: nobody can say where on a body one of them belongs.
+        DrapeError: one of them is too large to be draped, or nobody can say where on a body it
+            belongs.
     """
-    body = wearer(body)
+    body = wearer(best_fit(patterns, made_for=made_for).body if body == AUTO else body)
+    for pattern in patterns:
+        check_size(pattern)
     panels: list[Panel] = []
     stitches: list[Stitch] = []
     for pattern in patterns:

@@ -21,13 +21,31 @@ WARY = 0.8
 """Far from the body, a vertex can count on this share of the distance field's value."""
 MOST_REST = 1000
 """A vertex far from the body is looked at again after so many refreshes, at the latest."""
+LIFT_EVERY = 2
+"""Once in so many frames it is looked whether the body comes through the cloth between vertices."""
+SKIN_COVER = 0.15
+"""The middles of triangles and of their sides stay this far outside the skin [cm]; so that they
+do, their corners stay farther off than the cloth is thick."""
+LOWERED = 0.9
+"""Corners come back by this share of the lift each time where the skin is covered by twice that."""
+ALIKE = 0.5
+"""Only corners that face the body as the place between them does, by the cosine of the angle, can
+be of help there: on both sides of a crotch they do not."""
 SHORTEST = 1e-9
 """Keeps the direction of a spring of no length finite [cm]."""
 
 
 @njit(cache=True)
-def simulate(points, speeds, springs, bending, masses, held, rubs, field, cloth, counts, rates):
-    """Move `points` until at rest; returns the frames taken and whether rest was reached."""
+def simulate(
+    points, speeds, span, state, triangles, springs, bending, masses, held, rubs, field, cloth,
+    counts, rates,
+):  # fmt: skip
+    """Move `points` through a span of frames, or until at rest.
+
+    Returns the frames taken since the first and whether rest was reached. `state` is what goes on
+    from span to span, see `at_start`; how long spans are changes no bit.
+    """
+    moved, planes, rest, lift = state
     ends, lengths, stiffness = springs
     lightness, weight_share = masses
     thickness, friction, damping = cloth
@@ -35,16 +53,12 @@ def simulate(points, speeds, springs, bending, masses, held, rubs, field, cloth,
     gather_damping, top_speed, push_speed, stop_speed, gravity = rates
     step = FRAME / substeps
     count = len(points)
-    moved = np.zeros((count, 3))
     ahead = np.empty((count, 3))
     force = np.empty((count, 3))
     bend_force = np.zeros((count, 3))
-    planes = np.zeros((count, 4))
-    planes[:, 3] = -np.inf
-    rest = np.zeros(count, np.int64)
     reach = top_speed * step * refresh
     before = np.empty((count, 3))
-    for frame in range(len(speeds)):
+    for frame in range(span[0], span[1]):
         before[:] = points
         gathering = frame < gather_frames
         keep = np.exp(-(gather_damping if gathering else damping) * step)
@@ -54,7 +68,7 @@ def simulate(points, speeds, springs, bending, masses, held, rubs, field, cloth,
             if substep % refresh == 0:
                 _look_ahead(points, moved, BEND_LOOK_AHEAD * refresh, ahead)
                 _bend(ahead, bending, bend_force)
-                _find_planes(points, field, thickness, reach, planes, rest)
+                _find_planes(points, field, thickness, lift, reach, planes, rest)
             _look_ahead(points, moved, LOOK_AHEAD, ahead)
             force[:] = bend_force
             _stretch(ahead, ends, lengths, stiffness, force)
@@ -66,10 +80,19 @@ def simulate(points, speeds, springs, bending, masses, held, rubs, field, cloth,
                 _advance(points, moved, i, x, y, z, top_speed * step)
             _hold(points, moved, held)
             _collide(points, moved, planes, friction, grip, rubs, push_speed * step)
+        if not gathering and frame % LIFT_EVERY == 0:
+            _lift(points, triangles, field, planes, lift)
         speeds[frame] = _mean_distance(points, before) / FRAME
         if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
             return frame + 1, True
-    return len(speeds), False
+    return span[1], False
+
+
+def at_start(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """How far each vertex went, its plane, how long that is left alone, and its lift."""
+    planes = np.zeros((count, 4))
+    planes[:, 3] = -np.inf
+    return np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count)
 
 
 @njit(cache=True)
@@ -115,8 +138,8 @@ def _bend(points, matrix, force):
 
 
 @njit(cache=True)
-def _find_planes(points, field, thickness, reach, planes, rest):
-    """The plane through the body's nearest place, moved out by the thickness, for each vertex.
+def _find_planes(points, field, thickness, lift, reach, planes, rest):
+    """The plane through the body's nearest place, moved out by thickness and lift, for each vertex.
 
     A plane is its unit normal n and its offset c: n . x >= c is outside. A vertex too far off to
     get to the body before is left alone for `rest` more calls; it moves at most `reach` a call.
@@ -128,7 +151,7 @@ def _find_planes(points, field, thickness, reach, planes, rest):
             continue
         p = points[i]
         distance, x, y, z = sample(values, origin, per_cell, p[0], p[1], p[2])
-        clear = distance - thickness
+        clear = distance - thickness - lift[i]
         rest[i] = min(max(int(clear * WARY / reach) - 1, 0), MOST_REST)
         if rest[i] > 0:
             planes[i, 3] = -np.inf
@@ -139,6 +162,45 @@ def _find_planes(points, field, thickness, reach, planes, rest):
         z /= length
         planes[i, 0], planes[i, 1], planes[i, 2] = x, y, z
         planes[i, 3] = x * p[0] + y * p[1] + z * p[2] - clear
+
+
+@njit(cache=True)
+def _lift(points, triangles, field, planes, lift):
+    """Raise the corners of triangles in which the body comes through, and lower the others."""
+    faces, most = triangles
+    needed = np.full(len(points), -np.inf)
+    for f in range(len(faces)):
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        if planes[a, 3] == -np.inf and planes[b, 3] == -np.inf and planes[c, 3] == -np.inf:
+            continue
+        _need(points, field, planes, needed, a, b, c)
+        if a < b:
+            _need(points, field, planes, needed, a, b, b)
+        if b < c:
+            _need(points, field, planes, needed, b, c, c)
+        if c < a:
+            _need(points, field, planes, needed, c, a, a)
+    for i in range(len(points)):
+        if needed[i] > 0.0:
+            lift[i] = min(lift[i] + needed[i], most[i])
+        elif needed[i] < -SKIN_COVER:
+            lift[i] *= LOWERED
+
+
+@njit(cache=True)
+def _need(points, field, planes, needed, a, b, c):
+    """How much farther off a place between corners should be; `b` and `c` may be one corner."""
+    values, origin, per_cell = field
+    share = 0.5 if b == c else 1.0 / 3.0
+    rest = 0.0 if b == c else share
+    x = share * (points[a, 0] + points[b, 0]) + rest * points[c, 0]
+    y = share * (points[a, 1] + points[b, 1]) + rest * points[c, 1]
+    z = share * (points[a, 2] + points[b, 2]) + rest * points[c, 2]
+    distance, u, v, w = sample(values, origin, per_cell, x, y, z)
+    least = ALIKE * np.sqrt(u * u + v * v + w * w)
+    for i in (a, b, c):
+        if planes[i, 0] * u + planes[i, 1] * v + planes[i, 2] * w > least:
+            needed[i] = max(needed[i], SKIN_COVER - distance)
 
 
 @njit(cache=True)

@@ -50,9 +50,10 @@ def triangulate(
         Points, those of the rings first and in order, and triangles, counter-clockwise; None where
         the rings cross themselves or each other.
     """
+    assert spacing > 0 and all(len(ring) > 2 for ring in rings)
     boundary = np.concatenate(rings)
     faces = _outline_triangles(rings, boundary)
-    if faces is None:
+    if faces is None or not len(faces):
         return None
     inside = _inner_points(
         boundary, _side_ends(rings), _inward(rings), cloth_widths(rings), float(spacing)
@@ -133,6 +134,8 @@ def _widths(points, ends, inward):  # type: ignore[no-untyped-def]
         ax, ay = points[k, 0], points[k, 1]
         bx, by = points[ends[k], 0], points[ends[k], 1]
         length = np.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+        if length == 0.0:
+            continue
         nx, ny = -inward * (by - ay) / length, inward * (bx - ax) / length
         mx, my = (ax + bx) / 2, (ay + by) / 2
         for j in range(count):
@@ -156,8 +159,9 @@ def _boundary_distance(x, y, points, ends):  # type: ignore[no-untyped-def]
         ax, ay = points[k, 0], points[k, 1]
         bx, by = points[ends[k], 0], points[ends[k], 1]
         dx, dy = bx - ax, by - ay
-        share = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
-        share = min(max(share, 0.0), 1.0)
+        size, share = dx * dx + dy * dy, 0.0
+        if size > 0.0:  # Else its ends are one point.
+            share = min(max(((x - ax) * dx + (y - ay) * dy) / size, 0.0), 1.0)
         ox, oy = ax + share * dx - x, ay + share * dy - y
         nearest = min(nearest, ox * ox + oy * oy)
         if (ay > y) != (by > y) and x < ax + (y - ay) / dy * dx:
@@ -412,7 +416,8 @@ def _smooth(points, faces, fixed):  # type: ignore[no-untyped-def]
     held = np.zeros(count, np.bool_)
     held[:fixed] = True
     for p in range(fixed, count):
-        points[p, 0], points[p, 1] = sum_x[p] / total[p], sum_y[p] / total[p]
+        if total[p] > 0.0:
+            points[p, 0], points[p, 1] = sum_x[p] / total[p], sum_y[p] / total[p]
     worse = True
     while worse:
         worse = False

@@ -9,13 +9,14 @@ from garmentimage.body.stance import wearer
 from garmentimage.drape.elastic import drawn_together
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.field import DistanceField, body_field
+from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.held import Held
 from garmentimage.drape.items import Item, items
 from garmentimage.drape.judge import judge
-from garmentimage.drape.mesh import VERTICES, mesh
+from garmentimage.drape.mesh import VERTICES, check_size, mesh
 from garmentimage.drape.pieces import parts
 from garmentimage.drape.rest import rest_of
-from garmentimage.drape.solver import Attachment, Settings, solve
+from garmentimage.drape.solver import Attachment, Settings, Watch, solve
 from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
 from garmentimage.drape.tuck import tucked_in
@@ -42,6 +43,7 @@ def drape(
     tucked: bool = False,
     made_for: float | None = None,
     settings: Settings | None = None,
+    watch: Watch | None = None,
 ) -> Worn:
     """Put a garment on a body and let it come to rest; same bits on every run.
 
@@ -50,13 +52,15 @@ def drape(
 
     Args:
         pattern: a garment that passes `check_pattern`.
-        body: name of a shipped body, in T-pose and with its legs upright, or a body as it stands.
+        body: name of a shipped body, in T-pose and with its legs upright, "auto" for the one on
+            which the garment fits best, or a body as it stands.
         fabric: name of a fabric, or one of your own.
         vertices: about how many the cloth has.
         tucked: tops are worn under skirts and trousers, not over them.
         made_for: stature that the pattern was made for [cm]; the garment is then scaled to the
             body's.
         settings: of the simulation.
+        watch: is called every few frames of each piece of clothing, see `solve`.
 
     Returns:
         The garment on the body. Look at `report.faults`, or call `check_worn`: a drape that went
@@ -72,12 +76,13 @@ def drape(
     check_type(pattern, Pattern, "garmentimage.load_pattern reads one from a file")
     check_type(vertices, int, "say about how many the cloth shall have")
     began = time.perf_counter()
-    body = wearer(body)
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
     _check_sewn(pattern)
+    check_size(pattern)
     check_placed(pattern)
     _check_surrounding(pattern)
+    body = wearer(best_fit([pattern], made_for=made_for).body if body == AUTO else body)
     placed, standings = standing(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     start = start_points(cloth, body, standings)
@@ -98,12 +103,14 @@ def drape(
             attachment=_belt(item),
             resting=np.searchsorted(item.vertices, item.resting),
             settings=settings,
+            watch=watch,
         )
         points[item.vertices] = motion.points
         motions.append(motion)
         if item is not worn_items[-1]:
             field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
     report = judge(
+        cloth,
         rest,
         start,
         points,

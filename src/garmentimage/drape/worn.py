@@ -21,7 +21,7 @@ class DrapeReport:
     speed: float
     """Mean speed of the vertices at the end [cm/s]."""
     penetration: float
-    """Greatest depth of a vertex under the skin [cm]; 0 where none is."""
+    """Greatest depth of the cloth under the skin [cm], between vertices, too; 0 where none is."""
     strain: float
     """Largest stretch of a direction in the panel that all but a hundredth of the cloth, by area,
     keeps below."""

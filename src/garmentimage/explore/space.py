@@ -255,8 +255,14 @@ class LatentSpace:
 def step_of(
     z: Latent, channels: Float32[np.ndarray, "34 row col"], repair_level: RepairLevel
 ) -> Step:
-    """The garment of an image that need not be a garment, repaired, decoded and checked."""
-    image, repairs = repair(channels, level=repair_level)
+    """The garment of an image that need not be a garment, repaired, decoded and checked.
+
+    Args:
+        z: its latent vector, if it has one.
+        channels: its flags and edge types as shares.
+        repair_level: how much of it is mended.
+    """
+    image, repairs = repair(channels, level=repair_level, kind="shares")
     try:
         pattern = decode(image, repair=repair_level)
     except GarmentImageError as error:

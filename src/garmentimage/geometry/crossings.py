@@ -21,6 +21,7 @@ def touching_sides(polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Int[np.ndarr
     Returns:
         Side numbers, counted through all polygons; the first of a pair is the smaller.
     """
+    assert all(p.ndim == 2 and p.shape[1] == 2 for p in polygons)
     return _touching(np.concatenate(list(polygons)), np.array([len(p) for p in polygons]))
 
 

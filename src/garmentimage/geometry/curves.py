@@ -22,6 +22,17 @@ _TABLE_PARAMETERS = np.linspace(0.0, 1.0, CHORDS + 1)
 _ENDS = np.array([0.0, 1.0])
 
 
+def _weights(t: Float[np.ndarray, " n"], controls: int) -> Float[np.ndarray, "n point"]:
+    """Bernstein polynomials of a Bezier curve with one or two control points."""
+    u = 1 - t
+    if controls == 1:
+        return np.stack([u * u, 2 * t * u, t * t], axis=1)
+    return np.stack([u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t], axis=1)
+
+
+_TABLE_WEIGHTS = {controls: _weights(_TABLE_PARAMETERS, controls) for controls in (1, 2)}
+
+
 @runtime_checkable
 class Curve(Protocol):
     """What every curve here can do."""
@@ -48,6 +59,10 @@ class Curve(Protocol):
         """The same curve walked the other way."""
 
     @property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured."""
+
+    @property
     def length(self) -> float:
         """Length along the curve."""
 
@@ -64,9 +79,13 @@ class _Measured:
     is_straight = False
 
     @cached_property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured: the two ends of a line, `CHORDS` + 1 points else."""
+        return self.at(_ENDS if self.is_straight else _TABLE_PARAMETERS)  # type: ignore[attr-defined, no-any-return]
+
+    @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
-        t = _ENDS if self.is_straight else _TABLE_PARAMETERS
-        return t, lengths_along(self.at(t))  # type: ignore[attr-defined]
+        return _ENDS if self.is_straight else _TABLE_PARAMETERS, lengths_along(self.polyline)
 
     @property
     def length(self) -> float:
@@ -98,6 +117,11 @@ class Line(_Measured):
         """Points at the parameters `t`."""
         t = np.asarray(t, float)[:, None]
         return (1 - t) * np.array(self.start) + t * np.array(self.end)
+
+    @cached_property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured."""
+        return np.array([self.start, self.end], float)
 
     @cached_property
     def length(self) -> float:  # type: ignore[override]
@@ -134,13 +158,12 @@ class Bezier(_Measured):
 
     def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]:
         """Points at the parameters `t`."""
-        t = np.asarray(t, float)
-        u = 1 - t
-        if len(self.controls) == 1:
-            weights = [u * u, 2 * t * u, t * t]
-        else:
-            weights = [u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t]
-        return np.stack(weights, axis=1) @ self.points
+        return _weights(np.asarray(t, float), len(self.controls)) @ self.points
+
+    @cached_property
+    def polyline(self) -> Float[np.ndarray, "n 2"]:
+        """The chords by which it is measured."""
+        return _TABLE_WEIGHTS[len(self.controls)] @ self.points
 
     def split(self, t: float) -> tuple["Bezier", "Bezier"]:
         """The two parts before and after `t` (de Casteljau)."""

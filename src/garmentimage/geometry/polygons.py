@@ -14,7 +14,7 @@ def signed_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 def centroid(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
     """Centre of area; the mean of the points where the area vanishes."""
     x, y = polygon[:, 0], polygon[:, 1]
-    next_x, next_y = np.append(x[1:], x[:1]), np.append(y[1:], y[:1])
+    next_x, next_y = np.concatenate([polygon[1:], polygon[:1]]).T
     cross = x * next_y - y * next_x
     area = cross.sum() / 2
     if abs(area) < 1e-9:
@@ -25,12 +25,14 @@ def centroid(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
 
 def polyline_length(points: Float[np.ndarray, "n 2"]) -> float:
     """Length of an open polyline."""
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+    return float(np.hypot(*(points[1:] - points[:-1]).T).sum())
 
 
 def lengths_along(points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
     """Length of an open polyline up to each of its points."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    lengths = np.zeros(len(points))
+    np.hypot(*(points[1:] - points[:-1]).T).cumsum(out=lengths[1:])
+    return lengths
 
 
 def resample(points: Float[np.ndarray, "n 2"], shares: Float[np.ndarray, " m"]) -> np.ndarray:
@@ -40,6 +42,7 @@ def resample(points: Float[np.ndarray, "n 2"], shares: Float[np.ndarray, " m"]) 
         return (1 - at) * points[0] + at * points[1]
     lengths = lengths_along(points)
     s = np.asarray(shares) * lengths[-1]
-    return np.stack(
-        [np.interp(s, lengths, points[:, 0]), np.interp(s, lengths, points[:, 1])], axis=1
-    )
+    found = np.empty((len(s), 2))
+    found[:, 0] = np.interp(s, lengths, points[:, 0])
+    found[:, 1] = np.interp(s, lengths, points[:, 1])
+    return found

@@ -1,6 +1,7 @@
 """How near a predicted pattern comes to the true one: our own figures, of one garment and of many.
 
-Panels are paired by shape and place (`match_panels`); missing and extra ones count as an IoU of 0.
+Panels are paired by shape, place and seams (`pair_garments`), in whatever frames they are drawn;
+missing and extra ones count as an IoU of 0.
 Places and stitches are compared on paired panels by points of their outlines, so that nothing
 depends on names, on where a loop starts, or on where edges are cut: a raster cuts them elsewhere.
 The figures of published codes are in `published_figures`.
@@ -13,8 +14,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.compare.matching import aligned_points, loop_polygon, match_panels
-from garmentimage.compare.stitch_graph import match_graphs, stitch_graph
+from garmentimage.compare.matching import aligned_points, loop_polygon
+from garmentimage.compare.pairing import pair_garments
 from garmentimage.compare.validity import (
     drawing_faults,
     ratio_faults,
@@ -126,17 +127,13 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
         or stitch_faults(found)
     ):
         return Likeness(0.0, None, False, 0.0, None, None, missed, missed, False, False)
-    matching = match_panels(truth, found)
-    pairs = [(truth.by_name[p.a], found.by_name[p.b]) for p in matching.pairs]
+    pairing = pair_garments(truth, found)
+    matching, seen = pairing.matching, pairing.found
+    pairs = [(truth.by_name[p.a], seen.by_name[p.b]) for p in matching.pairs]
     counts = [len(a.edges) == len(b.edges) for a, b in pairs]
-    graphs = stitch_graph(truth), stitch_graph(found)
-    candidates = {pair.a: (pair.b,) for pair in matching.pairs}
-    is_same = not matching.missing and not matching.extra and (
-        match_graphs(*graphs, candidates, check_lengths=False, check_places=False) is not None
-    )  # fmt: skip
     turns, moves = zip(*(_standing_apart(a, b) for a, b in pairs))
-    is_valid = not structure_faults(found) and not ratio_faults(graphs[1])
-    by_edge, by_length = _stitch_scores(truth, found, matching.panel_map)
+    is_valid = not structure_faults(found) and not ratio_faults(pairing.graphs[1])
+    by_edge, by_length = _stitch_scores(truth, seen, matching.panel_map)
     return Likeness(
         panel_iou=matching.mean_iou,
         panel_l2=float(np.mean([pair.boundary_distance for pair in matching.pairs])),
@@ -146,7 +143,7 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
         translation=float(np.mean(moves)),
         by_edge=by_edge,
         by_length=by_length,
-        topology=is_same,
+        topology=pairing.same_topology,
         valid=is_valid,
     )
 

@@ -14,15 +14,17 @@ Modes: `neuraltailor` (Korosteleva and Lee 2022), `sewformer` (Liu et al. 2023),
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, hypot
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from garmentimage.compare.pairing import pair_garments
 from garmentimage.compare.validity import stitch_faults
 from garmentimage.errors import PatternError, quoted
-from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Quadratic
+from garmentimage.geometry.polygons import centroid
+from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Quadratic, Side
 
 SLOT_EDGES = 14
 """Most edges of a panel in those codes."""
@@ -53,8 +55,23 @@ class Slots:
         return tuple(int(n) for n in np.any(np.abs(self.edges) > STRAIGHT, axis=2).sum(1))
 
 
-def slots_of(pattern: Pattern, names: Sequence[str], edges: int = SLOT_EDGES) -> Slots:
+def slots_of(
+    pattern: Pattern,
+    names: Sequence[str],
+    edges: int = SLOT_EDGES,
+    *,
+    like: Pattern | None = None,
+) -> Slots:
     """A pattern in slots of these names.
+
+    Args:
+        pattern: the garment.
+        names: a name for each slot.
+        edges: rows of a slot.
+        like: the true garment, whose panels are called as the slots are. The panels of `pattern`
+            may then have any names, frames and first edges, as those of a decoded image have: each
+            takes the slot, frame and start of its counterpart (`pair_garments`), and those without
+            one the first slots that are left.
 
     Raises:
         PatternError: a panel that is in no slot, has holes, or has too many edges; a panel twice,
@@ -65,11 +82,16 @@ def slots_of(pattern: Pattern, names: Sequence[str], edges: int = SLOT_EDGES) ->
         raise ValueError(f"slots need names of their own, and {LEAST_EDGES} edges or more")
     if faults := stitch_faults(pattern):
         raise PatternError(faults[0])
+    if like is not None:
+        pattern = _drawn_like(pattern, like, names)
     rows = np.zeros((len(names), edges, 4))
     rotations, translations = np.zeros((len(names), 4)), np.zeros((len(names), 3))
     for panel in pattern.panels:
         if panel.name not in names:
-            raise PatternError(f"panel {quoted(panel.name)}: is in none of the slots")
+            raise PatternError(
+                f"panel {quoted(panel.name)}: is in none of the slots; rename it, or give the true "
+                "garment as like= to find the slots by shape, place and seams"
+            )
         if panel.holes or len(panel.outline.edges) > edges:
             raise PatternError(
                 f"panel {quoted(panel.name)}: has holes, or more than {edges} edges; slots "
@@ -87,6 +109,41 @@ def slots_of(pattern: Pattern, names: Sequence[str], edges: int = SLOT_EDGES) ->
         for stitch in pattern.stitches
     )
     return Slots(rows, rotations, translations, stitches)
+
+
+def _drawn_like(pattern: Pattern, like: Pattern, names: Sequence[str]) -> Pattern:
+    """The same garment, its panels called, framed and begun as their counterparts in `like`."""
+    pairing = pair_garments(like, pattern)
+    name = {other: one for one, other in pairing.matching.panel_map.items()}
+    left = [slot for slot in names if slot not in pairing.matching.panel_map]
+    for extra in pairing.matching.extra:
+        name[extra] = left.pop(0) if left else extra
+    first = {
+        p.b: _first_edge(pairing.found.by_name[p.b], like.by_name[p.a])
+        for p in pairing.matching.pairs
+    }
+
+    def side(old: Side) -> Side:
+        count = len(pattern.by_name[old.panel].outline.edges)
+        if old.edge >= count:
+            return Side(name[old.panel], old.edge)
+        return Side(name[old.panel], (old.edge - first.get(old.panel, 0)) % count)
+
+    panels = []
+    for panel in pairing.found.panels:
+        at = first.get(panel.name, 0)
+        turned = replace(panel.outline, edges=panel.outline.edges[at:] + panel.outline.edges[:at])
+        panels.append(replace(panel, name=name[panel.name], outline=turned))
+    stitches = tuple(replace(s, a=side(s.a), b=side(s.b)) for s in pattern.stitches)
+    return replace(pattern, panels=tuple(panels), stitches=stitches)
+
+
+def _first_edge(panel: Panel, like: Panel) -> int:
+    """The edge that starts nearest to where the outline of `like` does, centres on each other."""
+    wanted = like.outline.curves[0].start - centroid(like.outline.fine_polygon)
+    starts = np.array([curve.start for curve in panel.outline.curves])
+    gaps = starts - centroid(panel.outline.fine_polygon) - wanted
+    return int(np.hypot(*gaps.T).argmin())
 
 
 def universal_translation(panel: Panel) -> Float[np.ndarray, "3"]:

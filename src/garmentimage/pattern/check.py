@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from garmentimage.errors import PatternError, StitchError, quoted
 from garmentimage.geometry.polygons import polyline_length
-from garmentimage.pattern.finding import Finding, some
+from garmentimage.pattern.finding import PANELS_NAMED, Finding, some
 from garmentimage.pattern.model import (
     Circle,
     Cubic,
@@ -29,6 +29,7 @@ from garmentimage.pattern.model import (
 )
 from garmentimage.pattern.placement_check import placement_findings
 from garmentimage.pattern.seam_check import half_sewn_findings
+from garmentimage.pattern.seams import STUB_CM, stubs
 
 NAME_LIMIT = 200
 """Characters of a panel's name."""
@@ -87,6 +88,7 @@ def check_pattern(
     found: list[Finding] = []
     for panel in pattern.panels:
         found.extend(_check_shape(panel))
+    found.extend(_check_stubs(pattern))
     found.extend(_check_lengths(pattern, numbers))
     found.extend(half_sewn_findings(pattern, numbers))
     found.extend(_check_assembly(pattern))
@@ -375,6 +377,30 @@ def _crossing_edges(
 
 def _offsets(rings: list[np.ndarray]) -> list[int]:
     return [0, *np.cumsum([len(r) for r in rings])[:-1].tolist()]
+
+
+def _check_stubs(pattern: Pattern) -> list[Finding]:
+    """Edges that are left over at corners."""
+    found: dict[str, list[int]] = {}
+    for side in sorted(stubs(pattern), key=lambda side: side.edge):
+        found.setdefault(side.panel, []).append(side.edge)
+    return [
+        Finding(
+            panel_place(panel.name),
+            f"{_some_edges(found[panel.name])} shorter than {STUB_CM:g} cm; an image has no room "
+            "for that: what lies beside it meets there",
+        )
+        for panel in pattern.panels
+        if panel.name in found
+    ]
+
+
+def _some_edges(edges: Sequence[int]) -> str:
+    if len(edges) == 1:
+        return f"edge {edges[0]} is"
+    shown = ", ".join(map(str, edges[:PANELS_NAMED]))
+    more = len(edges) - PANELS_NAMED
+    return f"edges {shown}{f' and {more} more' if more > 0 else ''} are"
 
 
 def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:

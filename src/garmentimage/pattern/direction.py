@@ -6,6 +6,7 @@ right, would be sewn with a twist. Where it stands tells: if the ends of seams l
 other once all panels that face inwards run the other way, these are turned round. No cloth moves.
 """
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -38,7 +39,7 @@ def outward(pattern: Pattern) -> tuple[Pattern, tuple[Finding, ...]]:
     names = facing_inwards(pattern)
     if not names:
         return pattern, ()
-    turned = _turned(pattern, frozenset(names))
+    turned = turned_round(pattern, names)
     if _apart(turned) > _apart(pattern) + NEARER_CM:
         return pattern, ()
     message = "ran clockwise seen from outside the body, and was turned round; no cloth moved"
@@ -64,8 +65,11 @@ def _seen_from_end(control: Point) -> Point:
     return 1 - control[0], -control[1]
 
 
-def _turned(pattern: Pattern, names: frozenset[str]) -> Pattern:
-    """The pattern with the loops of some panels walked the other way; edges get new numbers."""
+def turned_round(pattern: Pattern, names: Collection[str]) -> Pattern:
+    """The pattern with the loops of some panels walked the other way; edges get new numbers.
+
+    The cloth stays where it is, its other face out.
+    """
     new_number = {
         panel.name: _reversed_numbers(panel) for panel in pattern.panels if panel.name in names
     }

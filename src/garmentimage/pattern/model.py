@@ -93,6 +93,11 @@ class Loop:
         """The loop as a polygon, not closed: straight edges as they are, curves in 16 chords."""
         return polygon_of(self.curves)
 
+    @property
+    def fine_polygon(self) -> Float[np.ndarray, "n 2"]:
+        """The loop as a polygon, not closed: curves in the chords by which they are measured."""
+        return np.concatenate([curve.polyline[:-1] for curve in self.curves])
+
     @cached_property
     def area(self) -> float:
         """Signed area [cm²]; positive when the loop runs counter-clockwise."""

@@ -19,9 +19,9 @@ from math import dist
 
 from garmentimage.pattern.model import Pattern, Side
 
-STUB_CM = 0.1
-"""No cloth is cut more exactly than this [cm]. Of 78,000 edges of 1,350 garments by others 190 are
-shorter, all of them left over at corners."""
+STUB_CM = 0.2
+"""Shorter edges are not meant [cm]. Of 78,000 edges of 1,370 garments by others 324 are shorter,
+left over at corners and beside darts."""
 
 
 @dataclass(frozen=True)

@@ -90,6 +90,8 @@ def label_panels(
         The panel number of each cell (`OUTSIDE` where there is none), numbered in raster order,
         front layer first; and the number of panels.
     """
+    layers, grid, _ = inside.shape
+    assert inside.shape == (layers, grid, grid) and edge_type.shape == (layers, 2, grid, grid)
     labels = np.empty(inside.shape, np.int64)
     count = _label(np.ascontiguousarray(inside), np.ascontiguousarray(edge_type, np.int8), labels)
     return labels, int(count)
@@ -104,6 +106,7 @@ def cell_mesh(
         mask: cells of one cluster (or of several: clusters share no vertex).
         edge_type: types of the bottom and left grid edges of that layer.
     """
+    assert edge_type.shape == (2, len(mask), len(mask)) == (2, *mask.shape)
     cells, corner_ids, lattice = _mesh(
         np.ascontiguousarray(mask), np.ascontiguousarray(edge_type, np.int8), _CORNERS
     )
@@ -116,6 +119,7 @@ def half_edges(mesh: CellMesh, edge_type: Integer[np.ndarray, "2 row col"]) -> H
     A half-edge towards a cell outside the mesh whose stored type is `NON_BOUNDARY` keeps that
     type; along x = N and y = N the type is `NON_STITCH`.
     """
+    assert not len(mesh.cells) or 0 <= mesh.cells.min() <= mesh.cells.max() < edge_type.shape[1]
     columns = _half_edges(
         mesh.cells, mesh.corner_ids, mesh.vertex_count, np.ascontiguousarray(edge_type, np.int8)
     )

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Float64
 
 from garmentimage.errors import ImageError
+from garmentimage.raster.channel_kind import are_channels
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, GarmentImage
 
 AUTHORS_CELL_CM = 32 / 2.75
@@ -89,19 +90,28 @@ def order_of(array: np.ndarray) -> ChannelOrder:
 
     In each order two groups of four channels are the shares of the four types, which add up to
     one in every cell; the deformation, which stands there in the other order, is zero in the
-    cells outside. So a garment that leaves one cell free fits one order at most.
+    cells outside. So a garment that leaves one cell free fits one order at most. Where neither
+    fits, channels that are shares but for the errors of a network do.
 
     Raises:
         ImageError: neither order fits (logits, say), or both do.
     """
     count = array.shape[0]
     block = array.reshape(-1, CHANNELS_PER_LAYER, *array.shape[1:])
-    ours = _are_shares(block[:, 1:9])
-    theirs = count == 2 * CHANNELS_PER_LAYER and _are_shares(block[:, 9:])
-    if ours != theirs:
-        return ChannelOrder.OURS if ours else ChannelOrder.AUTHORS
+    ours = theirs = False
+    for are_shares in (_are_shares, _are_nearly_shares):
+        ours = are_shares(block[:, 1:9])
+        theirs = count == 2 * CHANNELS_PER_LAYER and are_shares(block[:, 9:])
+        if ours != theirs:
+            return ChannelOrder.OURS if ours else ChannelOrder.AUTHORS
+        if ours:
+            break
     fits = "both orders of channels fit" if ours else "neither order of channels fits"
     raise ImageError(f"{fits}; say which it is, order 'garmentimage' or 'authors' (--order)")
+
+
+def _are_nearly_shares(values: np.ndarray) -> bool:
+    return are_channels(values.reshape(len(values), 2, EDGE_TYPE_COUNT, *values.shape[2:]))
 
 
 def _are_shares(values: np.ndarray) -> bool:

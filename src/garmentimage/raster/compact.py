@@ -46,7 +46,8 @@ def compact(
         bounded: whether the limits hold.
 
     Returns:
-        Paths and wishes after the move, or None when there is no room between the limits.
+        Paths and wishes after the move, each path of two vertices or more and, where the limits
+        hold, between them; or None when there is no room.
     """
     lens = np.array([len(p) for p in paths])
     ends = np.cumsum(lens)
@@ -89,7 +90,10 @@ def compact(
     stretched, wishes, owner = _stretched(
         flat + base, new[variable], np.concatenate(wanted), starts, lens, along
     )
-    cuts = np.flatnonzero(np.diff(owner)) + 1
+    sizes = np.bincount(owner, minlength=len(lens))
+    if sizes.min() < 2:  # An arc that shrank to its nodes, which are one point.
+        return None
+    cuts = np.cumsum(sizes)[:-1]
     return np.split(stretched, cuts), np.split(wishes, cuts)
 
 
@@ -305,7 +309,11 @@ def _project(target, weight, cons, stiff, low, high, sweeps, tolerance):  # type
 
 @njit(cache=True)
 def _solve(rows, stiff, ahead, back, target, weight, floor, roof):  # type: ignore[no-untyped-def]
-    """Integers nearest to the target; `ahead` and `back` order the rows by place, both ways."""
+    """Integers nearest to the target; `ahead` and `back` order the rows by place, both ways.
+
+    Sound only if they keep every hard row and lie between floor and roof, which a target that is
+    no number cannot: what is drawn with them stays inside the grid.
+    """
     low, high = floor.copy(), roof.copy()
     for c in ahead:
         if stiff[c] == 0:
@@ -332,5 +340,10 @@ def _solve(rows, stiff, ahead, back, target, weight, floor, roof):  # type: igno
             u, v = int(rows[c, 0]), int(rows[c, 1])
             x[u] = min(x[u], x[v] - rows[c, 2])
     for v in range(len(target)):
+        if not low[v] <= x[v] <= high[v]:
+            return out, False
         out[v] = int(x[v])
+    for c in range(len(rows)):
+        if stiff[c] == 0 and out[int(rows[c, 1])] - out[int(rows[c, 0])] < rows[c, 2]:
+            return out, False
     return out, True

@@ -75,7 +75,8 @@ def seam_complex(placed: Placed) -> SeamComplex:
         if all(arcs[owner[i, e][0]].slit for e in panel.loops[0]):
             raise EncodeError(
                 f"panel {panel.source!r} is closed to a bag by sewing its outline to itself, "
-                "which cannot lie flat; split it in a front and a back panel"
+                "which cannot lie flat; split it in a front and a back panel",
+                remedy="pattern",
             )
     nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
     return SeamComplex(placed, tuple(arcs), nodes, owner)
@@ -124,6 +125,7 @@ def _open_rings(placed: Placed) -> Placed:
     for i, panel in enumerate(placed.panels):
         curves: list[np.ndarray] = []
         loops = []
+        origin: list[int | None] = []
         for loop in panel.loops:
             first = len(curves)
             for k in loop:
@@ -132,8 +134,11 @@ def _open_rings(placed: Placed) -> Placed:
                     pieces = cut_polyline(panel.curves[k], 0.5)
                 parts[i, k] = tuple((i, len(curves) + n) for n in range(len(pieces)))
                 curves.extend(pieces)
+                origin.extend([panel.origin[k]] * len(pieces))
             loops.append(tuple(range(first, len(curves))))
-        panels.append(replace(panel, curves=tuple(curves), loops=tuple(loops)))
+        panels.append(
+            replace(panel, curves=tuple(curves), loops=tuple(loops), origin=tuple(origin))
+        )
     seams = [
         PlacedSeam(a, b, seam.crossed, seam.cut)
         for seam in placed.seams

@@ -29,6 +29,7 @@ from garmentimage.pattern.model import (
     polygon_of,
 )
 from garmentimage.raster.cells import CellMesh, cell_mesh, label_panels
+from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.divisions import with_divisions
 from garmentimage.raster.image import GarmentImage, PanelMark
 from garmentimage.raster.naming import panel_names
@@ -74,7 +75,12 @@ MOST_PANELS = 1000
 """An image in more parts than this is noise; garments have up to 50 panels."""
 
 
-def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") -> Pattern:
+def decode(
+    image: GarmentImage | np.ndarray,
+    *,
+    repair: RepairLevel = "full",
+    kind: ChannelKind | None = None,
+) -> Pattern:
     """The sewing pattern that an image shows.
 
     Deterministic, for any garment. A panel's boundary is refitted to lines and smooth curves; one
@@ -85,12 +91,14 @@ def decode(image: GarmentImage | np.ndarray, *, repair: RepairLevel = "full") ->
     Args:
         image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
         repair: how much of an inconsistent image is mended first, see `repair`.
+        kind: what the numbers of channels are, see `repair`; default: judged by all of them.
 
     Raises:
-        ImageError: the array has a wrong shape or values that are not finite.
+        ImageError: the array has a wrong shape or values that are not finite; there is no such
+            level or kind.
         DecodeError: the image is empty or mere noise, or a panel crosses itself whatever is tried.
     """
-    image, _ = repair_image(image, level=repair)
+    image, _ = repair_image(image, level=repair, kind=kind)
     if not image.inside.any():
         raise DecodeError("the image is empty: no cell is inside a panel")
     try:
@@ -178,6 +186,7 @@ def unfold_cells(
     """
     from scipy.linalg import solveh_banded
 
+    assert len(positions) == mesh.vertex_count and len(vectors) == len(mesh.cells)
     bottom_left, bottom_right, top_right, top_left = mesh.corner_ids.T
     start = np.concatenate([bottom_left, bottom_right, top_left, bottom_left])
     end = np.concatenate([bottom_right, top_right, top_right, top_left])

@@ -150,7 +150,7 @@ def _cuts(
         )
     sizes = [curve.length for curve in loop.curves]
     for k, run in enumerate(loop.runs):
-        # Where one curve would not do there is a vertex already, which takes the nearest one's part.
+        # Where one curve would not do there is a vertex already: it stands for the nearest one.
         if run == loop.runs[k - 1] and len(loop.runs) > 1:
             before = (1 - cuts[k - 1][-1]) * sizes[k - 1] if cuts[k - 1] else np.inf
             after = cuts[k][0] * sizes[k] if cuts[k] else np.inf

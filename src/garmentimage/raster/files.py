@@ -24,6 +24,7 @@ from garmentimage.raster.arrays import (
     parse_npz,
     read_file,
 )
+from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.channel_order import (
     ChannelOrder,
     channels_from_authors,
@@ -74,12 +75,18 @@ def image_bytes(image: GarmentImage) -> bytes:
     return npz_bytes(_to_arrays(image))
 
 
-def load_image(path: str | Path, *, order: ChannelOrder | str | None = None) -> GarmentImage:
+def load_image(
+    path: str | Path,
+    *,
+    order: ChannelOrder | str | None = None,
+    kind: ChannelKind | None = None,
+) -> GarmentImage:
     """Read an image from an `.npz` or `.npy` file; its content tells which it is.
 
     Args:
         path: the file.
         order: order of the channels of a `.npy`; default: told from the values.
+        kind: what the numbers of a `.npy` are, see `GarmentImage.from_channels`; default: likewise.
 
     Raises:
         ImageError: the file holds no GarmentImage; the message names the file.
@@ -87,7 +94,7 @@ def load_image(path: str | Path, *, order: ChannelOrder | str | None = None) -> 
     path = Path(path)
     data = read_file(path)
     if data.startswith(NPY_MAGIC):
-        image = GarmentImage.from_channels(_channels(data, path, order))
+        image = GarmentImage.from_channels(_channels(data, path, order), kind=kind)
         return replace(image, name=path.stem)
     if data.startswith(ZIP_MAGIC):
         try:
@@ -103,7 +110,7 @@ def load_image(path: str | Path, *, order: ChannelOrder | str | None = None) -> 
 def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) -> np.ndarray:
     """Channels [17 L, N, N] in our order from any image file; soft values stay soft.
 
-    Args and errors are those of `load_image`.
+    Arguments and errors are those of `load_image`.
     """
     path = Path(path)
     data = read_file(path)

@@ -1,4 +1,8 @@
-"""A binary heap in two arrays, for shortest paths inside compiled code."""
+"""A binary heap in two arrays, for shortest paths inside compiled code.
+
+Whoever pushes sees to it that `size` is below the length of the arrays, whoever drops that it is
+above 0; there is no check inside.
+"""
 
 from numba import njit
 

@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float32, Int8
 
 from garmentimage.errors import ImageError
 from garmentimage.pattern.model import Point, Vector
+from garmentimage.raster.channel_kind import ChannelKind, check_kind, kind_of
 from garmentimage.raster.frame import BodyFrame
 
 
@@ -151,26 +152,31 @@ class GarmentImage:
         return np.concatenate(blocks).astype(np.float32)
 
     @classmethod
-    def from_channels(cls, array: np.ndarray, like: "GarmentImage | None" = None) -> "GarmentImage":
+    def from_channels(
+        cls,
+        array: np.ndarray,
+        like: "GarmentImage | None" = None,
+        *,
+        kind: ChannelKind | None = None,
+    ) -> "GarmentImage":
         """The image that `to_channels` would give `array` for; hard decisions, no repair.
 
-        Flags are taken at > 0.5 and types at the largest of the four values, so probabilities
-        and logits of types work too; deformation outside is cleared.
+        A cell is inside where its flag is over 0.5, of logits over 0; of a grid edge's four types
+        the largest counts; deformation outside is cleared. It is the image that `decode` starts
+        from.
 
         Args:
             array: [17 L, N, N] or [L, 17, N, N], any real type.
             like: where frame, layer names and marks come from; default: the standard frame.
+            kind: what the numbers of flags and types are; default: judged by all of them together.
 
         Raises:
-            ImageError: a wrong shape, or values that are not finite.
+            ImageError: a wrong shape, values that are not finite, or no such kind.
         """
-        array = check_channels(array)
-        layers, grid = len(array) // CHANNELS_PER_LAYER, array.shape[-1]
-        block = array.reshape(layers, CHANNELS_PER_LAYER, grid, grid)
-        inside = block[:, 0] > 0.5
-        one_hot = block[:, 1:9].reshape(layers, 2, EDGE_TYPE_COUNT, grid, grid)
-        deformation = block[:, 9:].reshape(layers, 4, 2, grid, grid).astype(np.float32)
-        deformation = np.where(inside[:, None, None], deformation, np.float32(0))
+        flags, types, vectors = split_channels(array)
+        layers, grid = len(flags), flags.shape[-1]
+        inside = flags > (0.0 if known_kind(flags, types, kind) == "logits" else 0.5)
+        deformation = np.where(inside[:, None, None], vectors, 0.0).astype(np.float32)
         if like is not None and (like.grid, like.layers) != (grid, layers):
             raise ImageError(
                 f"`like` has {like.layers} layers of {like.grid} cells, "
@@ -178,7 +184,7 @@ class GarmentImage:
             )
         return cls(
             inside=inside,
-            edge_type=one_hot.argmax(axis=2).astype(np.int8),
+            edge_type=types.argmax(axis=2).astype(np.int8),
             deformation=deformation,
             frame=like.frame if like is not None else BodyFrame.standard(grid),
             layer_names=like.layer_names if like is not None else default_layer_names(layers),
@@ -214,6 +220,30 @@ def check_channels(array: np.ndarray) -> np.ndarray:
     if not (np.abs(array) <= np.finfo(np.float32).max).all():
         raise ImageError("channels hold values that are not finite (NaN, infinity or over 3e38)")
     return array
+
+
+def split_channels(array: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Flags [layer, row, col], edge types [layer, 2, 4, row, col], vectors [layer, 4, 2, row, col].
+
+    Raises:
+        ImageError: as `check_channels`.
+    """
+    array = check_channels(array)
+    block = array.reshape(-1, CHANNELS_PER_LAYER, *array.shape[1:])
+    types = block[:, 1:9].reshape(len(block), 2, EDGE_TYPE_COUNT, *array.shape[1:])
+    return block[:, 0], types, block[:, 9:].reshape(len(block), 4, 2, *array.shape[1:])
+
+
+def known_kind(flags: np.ndarray, types: np.ndarray, kind: ChannelKind | None) -> ChannelKind:
+    """The kind that was said, or the one that the numbers look like.
+
+    Raises:
+        ImageError: there is no such kind.
+    """
+    if kind is None:
+        return kind_of(flags, types)
+    check_kind(kind)
+    return kind
 
 
 def mirrored_channels(

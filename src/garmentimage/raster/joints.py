@@ -14,6 +14,7 @@ Words of this file:
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -238,7 +239,7 @@ def _parts(lengths: Sequence[np.ndarray]) -> list[int]:
 def _uneven(lengths: Sequence[np.ndarray], ends: Sequence[int]) -> set[int]:
     """Joints between `ends` that are kept because the two sides are divided too differently."""
     found: set[int] = set()
-    waiting = [(a, b) for a, b in zip(ends, ends[1:]) if b - a > 1]
+    waiting = [(a, b) for a, b in pairwise(ends) if b - a > 1]
     while waiting:
         a, b = waiting.pop()
         one, other = (np.cumsum(side[a:b]) for side in lengths)

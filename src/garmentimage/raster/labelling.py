@@ -11,14 +11,14 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numba import njit
 
+from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.image import (
     BOTTOM,
-    CHANNELS_PER_LAYER,
     EDGE_TYPE_COUNT,
     LEFT,
     EdgeType,
     GarmentImage,
-    check_channels,
+    split_channels,
 )
 
 CERTAIN_COST = 14.0
@@ -30,9 +30,6 @@ costs this much more."""
 
 NEIGHBOUR_GAIN = 0.2
 """What a type gains from each grid edge of the same type that it touches."""
-
-PROBABILITY_SLACK = 0.25
-"""Values this far beyond 0..1 still count as probabilities that a network missed a little."""
 
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
@@ -50,63 +47,33 @@ class Beliefs:
     deformation: Float[np.ndarray, "layer 4 2 row col"]
 
 
-def read_beliefs(array: np.ndarray) -> Beliefs:
-    """Costs from channels that hold probabilities or logits.
+def read_beliefs(array: np.ndarray, kind: ChannelKind) -> Beliefs:
+    """Costs from what a network gives.
 
     Args:
         array: [17 L, N, N], as `GarmentImage.to_channels` orders them.
+        kind: what its flags and types are. Channels are decided, and certain then.
 
     Raises:
         ImageError: a wrong shape, or values that are not finite.
     """
-    array = check_channels(array)
-    grid, layers = array.shape[-1], len(array) // CHANNELS_PER_LAYER
-    block = array.reshape(layers, CHANNELS_PER_LAYER, grid, grid)
-    flags = np.stack([_flag_costs(block[k, 0]) for k in range(layers)], axis=1)
-    one_hot = block[:, 1:9].reshape(layers, 2, EDGE_TYPE_COUNT, grid, grid)
-    types = np.stack([[_type_costs(one_hot[k, h]) for h in (0, 1)] for k in range(layers)])
-    return Beliefs(flags, types, block[:, 9:].reshape(layers, 4, 2, grid, grid))
-
-
-def _is_probability(values: np.ndarray) -> bool:
-    return bool(values.min() >= -PROBABILITY_SLACK and values.max() <= 1 + PROBABILITY_SLACK)
+    flags, types, vectors = split_channels(array)
+    if kind == "channels":
+        decided = certain(GarmentImage.from_channels(array, kind=kind))
+        return Beliefs(decided.inside, decided.types, vectors)
+    if kind == "logits":
+        both = np.logaddexp(0, np.stack([flags, -flags]))
+        each = np.logaddexp.reduce(types, axis=2, keepdims=True) - types
+        return Beliefs(np.minimum(both, CERTAIN_COST), np.minimum(each, CERTAIN_COST), vectors)
+    inside, shares = flags.clip(0, 1), types.clip(0, 1)
+    total = shares.sum(axis=2, keepdims=True)
+    # Four zeros say nothing, so that all four are as likely.
+    shares = np.divide(shares, total, out=np.full_like(shares, 0.25), where=total > 0)
+    return Beliefs(_cost(np.stack([1 - inside, inside])), _cost(shares), vectors)
 
 
 def _cost(probability: np.ndarray) -> np.ndarray:
     return -np.log(np.maximum(probability, np.exp(-CERTAIN_COST)))
-
-
-def _flag_costs(values: np.ndarray) -> Float[np.ndarray, "2 row col"]:
-    if _is_probability(values):
-        p = np.clip(values, 0, 1)
-        return np.stack([_cost(1 - p), _cost(p)])
-    return np.minimum(np.logaddexp(0, np.stack([values, -values])), CERTAIN_COST)
-
-
-def _type_costs(values: np.ndarray) -> Float[np.ndarray, "4 row col"]:
-    clipped = np.clip(values, 0, 1)
-    total = clipped.sum(axis=0)
-    if _is_probability(values) and total.min() > 0:
-        return _cost(clipped / total)
-    shifted = values - values.max(axis=0)
-    return np.minimum(np.log(np.exp(shifted).sum(axis=0)) - shifted, CERTAIN_COST)
-
-
-def likeliest(beliefs: Beliefs) -> GarmentImage:
-    """Every flag and type at its likeliest, consistent or not."""
-    inside = beliefs.inside[1] < beliefs.inside[0]
-    one_hot = np.exp(-beliefs.types)
-    channels = [
-        np.concatenate(
-            [
-                inside[k][None],
-                one_hot[k].reshape(-1, *inside[k].shape),
-                beliefs.deformation[k].reshape(8, *inside[k].shape),
-            ]
-        )
-        for k in range(len(inside))
-    ]
-    return GarmentImage.from_channels(np.concatenate(channels))
 
 
 def certain(image: GarmentImage) -> Beliefs:
@@ -145,6 +112,9 @@ def relabel(
         flag_cost: [2, layer, row, col], as `Beliefs.inside`.
         type_cost: [layer, 2, 4, row, col], as `Beliefs.types`.
     """
+    layers, grid, _ = inside.shape
+    assert flag_cost.shape == (2, layers, grid, grid)
+    assert type_cost.shape == (layers, 2, EDGE_TYPE_COUNT, grid, grid)
     inside = inside.copy()
     types = np.empty((len(inside), 2, *inside.shape[1:]), np.int8)
     for first in range(0, len(inside), 2):

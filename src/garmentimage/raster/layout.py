@@ -84,8 +84,9 @@ def layouts(complex: SeamComplex) -> Iterator[Layout]:
         panel = max(complex.placed.panels, key=lambda p: (len(p.curves), p.source))
         raise EncodeError(
             f"the pattern has {len(complex.arcs)} edges and seams, {len(panel.curves)} of them "
-            f"round panel {panel.source[:80]!r}; an image has room for {MOST_ARCS}: join edges "
-            "that go on smoothly, or leave loose panels out"
+            f"round panel {panel.source[:80]!r}; an image has room for {MOST_ARCS}: smooth "
+            "outlines that turn at every vertex, or leave loose panels out",
+            remedy="pattern",
         )
     desk = _Desk(complex)
     faulty = []

@@ -62,8 +62,12 @@ def panel_names(
     taken: set[str] = set()
     roots = [k for k in range(len(clusters)) if whole[k] == k]
     # Marked panels keep their names; the others count from the body's axis outwards.
-    distance = {k: abs(_body_box(image, clusters[k]).mean(axis=0)[0]) for k in roots}
-    for k in sorted(roots, key=lambda k: (marks[k] is None, round(distance[k], 3), k)):
+    distance = {
+        k: round(abs(_body_box(image, clusters[k]).mean(axis=0)[0]), 3)
+        for k in roots
+        if marks[k] is None
+    }
+    for k in sorted(roots, key=lambda k: (k in distance, distance.get(k, 0.0), k)):
         mark = marks[k]
         if mark is None:
             name = _name(image, clusters[k])

@@ -73,6 +73,14 @@ class PlacedPanel:
     """+1 when the outer loop runs counter-clockwise in the layout, else -1."""
     half: bool
     """Part of a split panel."""
+    origin: tuple[int | None, ...] = ()
+    """Per edge the number of the edge of the pattern's panel that it is, or is a part of; None
+    where the panel was cut."""
+
+    @property
+    def outward(self) -> int:
+        """`sign` of a panel whose right side faces away from the body."""
+        return 1 if self.layer == FRONT else -1
 
     @property
     def outline(self) -> Float[np.ndarray, "n 2"]:
@@ -316,6 +324,7 @@ def _placed(cloth: Cloth, piece: Piece, matrix: np.ndarray, offset: np.ndarray) 
         offset=offset,
         sign=1,
         half=piece.half,
+        origin=tuple(cloth.origin.get(e) for e in _flat(piece.loops)),
     )
     return panel if signed_area(panel.outline) > 0 else replace(panel, sign=-1)
 
@@ -342,5 +351,6 @@ def _check_flat(panels: tuple[PlacedPanel, ...], seam: PlacedSeam) -> None:
     raise EncodeError(
         f"panels {a.source[:80]!r} and {b.source[:80]!r} are sewn right side to wrong side, as for "
         "a collar or lapel that needs a second cloth layer; leave that panel out, or turn it over "
-        "if it is inside out"
+        "if it is inside out",
+        remedy="pattern",
     )

@@ -34,10 +34,13 @@ def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Pat
 
     Args:
         drawing: the graph and its wishes.
-        paths: vertex-disjoint lattice paths between `low` and `high`.
-        low: smallest lattice coordinate allowed, both axes.
-        high: largest lattice coordinate allowed, both axes.
+        paths: vertex-disjoint lattice paths of unit steps, at least one, between `low` and `high`.
+        low: smallest lattice coordinate allowed, both axes; at least 1.
+        high: largest lattice coordinate allowed, both axes; at most N - 1.
     """
+    assert 1 <= low <= high < drawing.grid and len(paths) == drawing.arc_count
+    for path in paths:
+        assert len(path) > 1 and low <= path.min() and path.max() <= high, "a path leaves the grid"
     room = 8 * (drawing.grid + 1)
     table = np.zeros((len(paths), room), np.int64)
     lens = np.array([len(p) for p in paths])

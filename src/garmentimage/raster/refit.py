@@ -91,6 +91,7 @@ def cut_run(sides: tuple[Float[np.ndarray, "n 2"], ...], *, chords: bool = False
         chords: keep every chord as a straight edge.
     """
     count = len(sides[0])
+    assert count > 1 and all(len(s) == count for s in sides)
     if chords or count == 2:
         return [_chord(sides, k) for k in range(count - 1)]
     looks = [_look(np.ascontiguousarray(s)) for s in sides]
@@ -366,9 +367,10 @@ def _fit_bezier(points, shares, length, order, controls):  # type: ignore[no-unt
         k = 0
         for j in range(1, count - 1):
             target = shares[j] * table[-1]
-            while table[k + 1] < target:
+            while k + 1 < _TABLE and table[k + 1] < target:
                 k += 1
-            t[j] = (k + (target - table[k]) / (table[k + 1] - table[k])) / _TABLE
+            step = table[k + 1] - table[k]
+            t[j] = (k + ((target - table[k]) / step if step > 0.0 else 0.0)) / _TABLE
             px, py = _bezier(points, controls, order, t[j])
             error = max(error, np.hypot(px - points[j, 0], py - points[j, 1]))
     return error

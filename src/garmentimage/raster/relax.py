@@ -97,6 +97,8 @@ def energy(
     from scipy.linalg import cho_factor
 
     count = samples.count
+    assert len(rest) == len(samples.ids) == len(samples.following) == samples.start[-1]
+    assert samples.ids.max() < count and np.isfinite(rest).all()
     matrix, load, anchor_load = np.zeros((count, count)), np.zeros((count, 2)), np.zeros((count, 2))
     soft = np.array([p in membranes for p in range(len(stiffness))])
     weight = np.where(soft, MEMBRANE, stiffness)

@@ -11,19 +11,26 @@ from typing import Literal
 import numpy as np
 
 from garmentimage.errors import ImageError
-from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
+from garmentimage.raster.channel_kind import ChannelKind, is_plain
+from garmentimage.raster.image import (
+    BOTTOM,
+    LEFT,
+    EdgeType,
+    GarmentImage,
+    known_kind,
+    split_channels,
+)
 from garmentimage.raster.labelling import (
     Beliefs,
     certain,
-    likeliest,
     read_beliefs,
     relabel,
     with_neighbours,
 )
 from garmentimage.raster.walls import (
+    drop_lone_cells,
     mend_paper_cases,
-    merge_bands,
-    merge_small_regions,
+    merge_thin_regions,
     whole_seams,
 )
 
@@ -44,6 +51,10 @@ class RepairReport:
     level: RepairLevel
     counts: Mapping[str, int] = field(default_factory=dict)
     """By rule: how many cells, grid edges, seams or regions it changed, if any."""
+    kind: ChannelKind | None = None
+    """What the numbers of an array were read as; None of a GarmentImage."""
+    is_guess: bool = False
+    """Whether the kind was guessed: nobody said it, and the numbers are not all 0 or 1."""
 
     @property
     def changed(self) -> bool:
@@ -52,13 +63,20 @@ class RepairReport:
 
 
 def repair(
-    image: GarmentImage | np.ndarray, level: RepairLevel = "full"
+    image: GarmentImage | np.ndarray,
+    level: RepairLevel = "full",
+    *,
+    kind: ChannelKind | None = None,
 ) -> tuple[GarmentImage, RepairReport]:
     """Make an image consistent.
 
-    Channels may hold probabilities or logits, block by block: a flag channel within 0..1 (give or
-    take `PROBABILITY_SLACK`) holds probabilities, else logits; so do the four values of a grid
-    edge's type, if they also sum to more than 0 everywhere.
+    Args:
+        image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
+        level: how much is mended.
+        kind: what the numbers of the channels are: `shares` (probabilities); `logits`; `channels`,
+            decided at .5 and by the largest of four, and sure then, as those of a GarmentImage.
+            Default: judged by all numbers of flags and types together; the report says so. Of a
+            GarmentImage it says nothing.
 
     Levels:
         none: the likeliest value of everything, consistent or not.
@@ -75,31 +93,36 @@ def repair(
     A correct image comes back unchanged.
 
     Raises:
-        ImageError: the array has a wrong shape, or values that are not finite; no such level.
+        ImageError: the array has a wrong shape, or values that are not finite; there is no such
+            level or kind.
     """
     if level not in LEVELS:
         raise ImageError(f"no repair level {level!r}; there are {', '.join(LEVELS)}")
     if isinstance(image, GarmentImage):
-        given, beliefs = image, None
+        report = RepairReport(level)
+        mended, counts = _repaired(image, level, None)
     else:
-        beliefs = read_beliefs(image)
-        given = likeliest(beliefs)
+        flags, types, _ = split_channels(image)
+        known = known_kind(flags, types, kind)
+        report = RepairReport(level, {}, known, kind is None and not is_plain(flags, types))
+        given = GarmentImage.from_channels(image, kind=known)
+        mended, counts = _repaired(given, level, read_beliefs(image, known))
+    return mended, replace(report, counts={rule: n for rule, n in counts.items() if n})
+
+
+def _repaired(
+    given: GarmentImage, level: RepairLevel, beliefs: Beliefs | None
+) -> tuple[GarmentImage, dict[str, int]]:
+    """The image, and how much each rule changed; without beliefs all of `given` is believed."""
     if level == "none":
-        return given, RepairReport(level)
-    if level == "paper":
-        types, count = mend_paper_cases(given)
-        mended = replace(given, edge_type=types) if any(count.values()) else given
-        return mended, RepairReport(level, _positive(count))
-    return _repair_fully(given, beliefs)
+        return given, {}
+    if level == "full":
+        return _repaired_fully(given, beliefs or certain(given))
+    types, counts = mend_paper_cases(given)
+    return (replace(given, edge_type=types) if any(counts.values()) else given), counts
 
 
-def _repair_fully(
-    given: GarmentImage, beliefs: Beliefs | None
-) -> tuple[GarmentImage, RepairReport]:
-    """Repair at the full level; without beliefs every channel of `given` is believed, and the
-    rules that weigh evidence have nothing to weigh.
-    """
-    costs = beliefs if beliefs is not None else certain(given)
+def _repaired_fully(given: GarmentImage, costs: Beliefs) -> tuple[GarmentImage, dict[str, int]]:
     flag_cost = np.ascontiguousarray(costs.inside, float)
     type_cost = with_neighbours(costs.types, given.edge_type)
     inside, types = relabel(given.inside, flag_cost, type_cost)
@@ -107,29 +130,20 @@ def _repair_fully(
         "inconsistent flags": int((inside != given.inside).sum()),
         "inconsistent edge types": int((types != given.edge_type).sum()),
     }
-    if beliefs is not None:
-        counts["seams and slits made whole or dropped"] = whole_seams(inside, types, type_cost)
-        counts["small regions merged"] = merge_small_regions(inside, types, flag_cost, type_cost)
-        counts["uncertain bands made one seam"] = merge_bands(
-            inside, types, beliefs.types, type_cost
-        )
-        # What was merged may leave a slit behind.
-        counts["seams and slits made whole or dropped"] += whole_seams(inside, types, type_cost)
-        inside, types = relabel(inside, flag_cost, type_cost)
+    counts["seams and slits made whole or dropped"] = whole_seams(inside, types, type_cost)
+    counts["thin regions merged"] = merge_thin_regions(inside, types, costs.types, type_cost)
+    counts["lone cells dropped"] = drop_lone_cells(inside, types, flag_cost)
+    # What was merged may leave a slit behind.
+    counts["seams and slits made whole or dropped"] += whole_seams(inside, types, type_cost)
+    inside, types = relabel(inside, flag_cost, type_cost)
     mended = replace(given, inside=inside, edge_type=types)
     types, paper = mend_paper_cases(mended)
     counts |= paper
     deformation, filled = _fill_deformation(given, costs.deformation, inside, types)
     counts["deformations filled in"] = filled
-    counts = _positive(counts)
-    if not counts:
-        return given, RepairReport("full")
-    image = replace(given, inside=inside, edge_type=types, deformation=deformation)
-    return image, RepairReport("full", counts)
-
-
-def _positive(counts: Mapping[str, int]) -> dict[str, int]:
-    return {rule: n for rule, n in counts.items() if n}
+    if not any(counts.values()):
+        return given, counts
+    return replace(given, inside=inside, edge_type=types, deformation=deformation), counts
 
 
 def _fill_deformation(

@@ -20,6 +20,7 @@ def departures(drawing: Drawing) -> Int[np.ndarray, "arc 2"]:
     The directions keep the cyclic order that the target curves have round the node, and turn
     the curves least. Nodes with at most two arcs a layer need no such care.
     """
+    assert all(len(c) > 1 and np.isfinite(c).all() for c in drawing.curves)
     first = np.array([c[1] - c[0] for c in drawing.curves])
     last = np.array([c[-2] - c[-1] for c in drawing.curves])
     second = np.array([c[min(2, len(c) - 1)] - c[0] for c in drawing.curves])

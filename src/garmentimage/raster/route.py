@@ -25,6 +25,10 @@ PULL = 0.6
 """Cost of a vertex, per squared distance from the target in fine units."""
 MOST_VERTICES = 1_000_000
 """A drawing that spreads over more fine vertices than this is refused."""
+MOST_FIELDS = 100_000_000
+"""... or one with more vertices in the corridors of all its arcs, 4 bytes each."""
+FARTHEST = 1e9
+"""Targets lie nearer than this to the grid's corner [fine steps]."""
 FAR = 1e9
 
 
@@ -51,16 +55,20 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
         EncodeError: arcs cannot be kept apart; a finer lattice or another layout may help.
     """
     targets = np.concatenate(drawing.curves) * fine
+    if not (np.isfinite(targets).all() and np.abs(targets).max() < FARTHEST):
+        raise EncodeError("the garment has no place on the grid; check the placement of its panels")
+    assert min(map(len, drawing.curves)) > 1
     low = np.floor(targets.min(axis=0)).astype(np.int64) - MARGIN
     high = np.ceil(targets.max(axis=0)).astype(np.int64) + MARGIN
     axis = -1
     if drawing.axis is not None:
         axis = drawing.axis * fine - low[0]
     width, height = (high - low + 1).tolist()
-    if width * height > MOST_VERTICES:
+    if width * height > MOST_VERTICES or width * height * drawing.arc_count > MOST_FIELDS:
         raise EncodeError(
             f"the garment spreads over {width // fine} x {height // fine} cells; "
-            "check the units and the placement of its panels"
+            "check the units and the placement of its panels",
+            remedy="pattern",
         )
     starts = np.concatenate([[0], np.cumsum([len(c) for c in drawing.curves])])
     wished = drawing.node_target * fine - low
@@ -110,7 +118,10 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
 
 @njit(cache=True)
 def snap_nodes(target, layers, on_axis, axis, order):  # type: ignore[no-untyped-def]
-    """Nearest distinct lattice points for nodes; a free ring round each is preferred."""
+    """Nearest distinct lattice points for nodes; a free ring round each is preferred.
+
+    A point lies at most 6 from its target in x and in y, which `MARGIN` leaves room for.
+    """
     count = len(target)
     xy = np.zeros((count, 2), np.int64)
     placed = np.zeros(count, np.bool_)
@@ -251,6 +262,11 @@ def _route_all(  # type: ignore[no-untyped-def]
     order, tail, head, mask, on_axis, leaving, node_xy, node_layers, targets, starts, radius,
     width, height, axis, rounds,
 ):  # fmt: skip
+    """Paths that share no vertex in a layer: (1, vertices, counts), or (0 or 2, none, counts).
+
+    Nodes and targets lie on the lattice, 0 <= x < width and 0 <= y < height; an arc has two points
+    or more. Paths have no loops, so a heap or a path never holds more than its array.
+    """
     arcs, size, layers = len(tail), width * height, 2
     use = np.zeros((layers, size), np.int32)
     history = np.zeros((layers, size))

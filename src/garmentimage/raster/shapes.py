@@ -1,4 +1,4 @@
-"""What shapes survive: an image that would bring back another pattern is not given.
+"""What shapes survive: whether a drawing has grid edges enough for the bends of its panels.
 
 A boundary comes back as the chords between its grid edges, or smooth where it has several, so a
 bent edge with too few grid edges loses length and area.
@@ -6,7 +6,6 @@ bent edge with too few grid edges loses length and area.
 
 import numpy as np
 
-from garmentimage.errors import EncodeError
 from garmentimage.geometry.polygons import polyline_length, resample, signed_area
 from garmentimage.raster.complex import SeamComplex
 from garmentimage.raster.drawing import Path, chord_loss
@@ -23,12 +22,8 @@ LEAST_IOU = 0.92
 """Overlap that such a panel must keep, centroids aligned."""
 
 
-def check_shapes(complex_: SeamComplex, paths: list[Path]) -> None:
-    """Refuse an image that would bring a seam back too short, or a panel in another shape.
-
-    Raises:
-        EncodeError: names the panel whose edges have too few grid edges for their bends.
-    """
+def lost_shape(complex_: SeamComplex, paths: list[Path]) -> str:
+    """The panel whose edges have too few grid edges for their bends, in words; "" if none has."""
     counts = {
         (index, edge): len(path) - 1
         for arc, path in zip(complex_.arcs, paths)
@@ -44,12 +39,14 @@ def check_shapes(complex_: SeamComplex, paths: list[Path]) -> None:
         area = abs(signed_area(panel.outline))
         all_round = 0.0
         for edge, curve in enumerate(panel.curves):
+            if len(curve) < 3:
+                continue
             count = counts[index, edge]
             lost, sliver = chord_loss(curve, _chords(count))
             length = polyline_length(curve)
             too_short = lost > max(LOST_LENGTH[0] * length, LOST_LENGTH[1])
             if (too_short and (index, edge) in sewn) or sliver > LOST_AREA * area:
-                raise EncodeError(
+                return (
                     f"panel {panel.source!r} has a bent edge of {length:.1f} cm for which the "
                     f"grid has only {count} grid edges left"
                 )
@@ -57,10 +54,11 @@ def check_shapes(complex_: SeamComplex, paths: list[Path]) -> None:
         if all_round > COMPARED_FROM * area:
             kept = _iou(panel, [counts[index, edge] for edge in range(len(panel.curves))])
             if kept < LEAST_IOU:
-                raise EncodeError(
+                return (
                     f"panel {panel.source!r} would keep {kept:.0%} of its shape: the grid has too "
                     "few grid edges left for its bends"
                 )
+    return ""
 
 
 def _chords(count: int) -> int:

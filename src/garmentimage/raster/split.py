@@ -69,6 +69,9 @@ class Cloth:
     """For every sewn edge its partner, and whether the start of one meets the end of the other."""
     cuts: set[int] = field(default_factory=set)
     """Edges made by cutting."""
+    origin: dict[int, int] = field(default_factory=dict)
+    """For every edge that is not a cut, the number of the edge of its pattern's panel that it is,
+    is a part of, or begins with."""
     _own_centres: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
     """Centres of area already found, by outer loop."""
     numbers: Iterator[int] = field(default_factory=itertools.count)
@@ -88,6 +91,7 @@ class Cloth:
                 lines = [c.sample(1 if c.is_straight else CHORDS) for c in curves]
                 cloth.curves[number] = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
                 edges.update(dict.fromkeys(part, number))
+                cloth.origin[number] = part[0].edge
         for panel in pattern.panels:
             where = np.array(panel.translation) + np.array([0.0, lift, 0.0])
             piece = Piece(panel.name, panel.name, panel.matrix, where, loops[panel.name])
@@ -144,6 +148,7 @@ class Cloth:
         _, loop = self.owner(edge)
         second = next(self.numbers)
         self.curves[edge], self.curves[second] = cut_polyline(self.curves[edge], share)
+        self.origin[second] = self.origin[edge]
         loop.insert(loop.index(edge) + 1, second)
         return second
 
@@ -352,5 +357,6 @@ def _half_with_hole(cloth: Cloth, piece: Piece, halves: list[Piece], hole: list[
             return half
     raise EncodeError(
         f"panel {piece.name!r} wraps round the body and a hole lies across the line where it "
-        "must be split in a front and a back half; split the panel there in the pattern"
+        "must be split in a front and a back half; split the panel there in the pattern",
+        remedy="pattern",
     )

@@ -1,7 +1,7 @@
 """Merging of numbered things into classes, for compiled code.
 
 `parent` maps every number to one of its class, a root to itself; it starts as `np.arange(count)`.
-The root of a class is its smallest number.
+The root of a class is its smallest number. Numbers given are below `count`.
 """
 
 from numba import njit

@@ -1,7 +1,8 @@
-"""Walls inside panels: seams made whole or dropped, small regions merged, the paper's cases mended.
+"""Walls inside panels: seams made whole or dropped, thin regions merged, the paper's cases mended.
 
 - A **wall** is a grid edge between two inside cells that is not `NON_BOUNDARY`.
 - A **tip** is a lattice point where a chain of walls ends inside a panel.
+- A **region** is cells that hang together, as a panel does.
 - An **interface** is all walls, found or merely likely, between the same two regions.
 
 Costs are negative log probabilities [nats]. A rule that weighs them changes flags and types in
@@ -20,17 +21,21 @@ from garmentimage.raster.labelling import CERTAIN_COST
 LIKELY_WALL = 0.25
 """Probability from which a grid edge counts as a possible wall when regions are made."""
 
-BROKEN_COST = 2.5
-"""What a seam that divides only in part, or a slit, must be worth to stay as it is."""
+RARE_COST = 2.0
+"""What a slit, the seam of a thin region, or a break in a seam must be worth to stay [nats]: 88 %
+against nothing there.
 
-SMALL_REGION, SMALL_GRID, SMALL_COST = 4, 16, 10.0
-"""A region of fewer cells, on grids of at least so many cells a side, must be worth this much for
-each grid edge of its seam to stay on its own. Of 6,000 drafted garments three have one, while a
-network that wavers between two places of a seam often draws both."""
+It is minus the logarithm of how often garments have thin regions, 1.5 at N = 16 and 2.0 at 32
+(`benchmarks/region_prior.py`, the mean share over drafts and three sources by others). Slits are as
+frequent (1.4 at both). Breaks are rarer, but at their price, 4.6, what is 99 % sure would not stay.
 
-BAND_LENGTH, BAND_SURENESS = 3, 1.6
-"""A band one cell wide and at least this long stays one only if the probabilities of the seams on
-its two sides sum to more than this: else it is one seam whose place is uncertain."""
+Worth is the mean of the grid edges that would change: a network that wavers between two places of a
+seam errs in all of them at once, so they are one witness, not many. What it is surer of is never
+removed."""
+
+SMALL_REGION, SMALL_GRID, BAND_LENGTH = 4, 16, 3
+"""A region is thin if it has fewer cells than the first, on grids of at least so many cells a side
+(on others half as many), or is one cell wide and at least so long."""
 
 DART_OPENING = 0.03
 """Two legs whose vectors differ by this share of their length may belong to an open dart."""
@@ -96,7 +101,7 @@ def _connected(walls: list[Wall]) -> list[list[Wall]]:
 
 
 def _settle(chain: list[Wall], types: np.ndarray, cost: np.ndarray, *, divides: bool) -> bool:
-    """Give a chain one type if that costs less than its present types and being broken."""
+    """Give a chain one type if what stands against it is worth less than `RARE_COST`."""
     h, row, col = np.array(chain).T
     own = types[h, row, col]
     if divides and (own == own[0]).all():
@@ -106,7 +111,9 @@ def _settle(chain: list[Wall], types: np.ndarray, cost: np.ndarray, *, divides: 
     options = (_NON_BOUNDARY, _SIDE_BY_SIDE, _NON_STITCH) if divides else (_NON_BOUNDARY,)
     totals = [float(cost[h, t, row, col].sum()) for t in options]
     k = int(np.argmin(totals))
-    if totals[k] >= float(cost[h, own, row, col].sum()) + BROKEN_COST:
+    changes = own != options[k]
+    worth = (totals[k] - float(cost[h, own, row, col].sum())) / changes.sum()
+    if worth >= RARE_COST:
         return False
     _decide(chain, options[k], types, cost)
     return True
@@ -122,44 +129,8 @@ def _decide(walls: list[Wall], kind: int, types: np.ndarray, cost: np.ndarray) -
     cost[h, kind, row, col] = 0.0
 
 
-def merge_small_regions(
-    inside: Flags, types: Types, flag_cost: Float[np.ndarray, "2 layer row col"], cost: Costs
-) -> int:
-    """Merge small uncertain regions into their likeliest neighbour; drop those without one.
-
-    Returns:
-        How many regions were merged or dropped.
-    """
-    merged = 0
-    limit = SMALL_REGION if inside.shape[-1] >= SMALL_GRID else SMALL_REGION // 2
-    for layer in range(len(inside)):
-        regions, count = label_panels(inside[layer : layer + 1], types[layer : layer + 1])
-        near = _interfaces(regions[0], types[layer])
-        sizes = np.bincount(regions[regions >= 0], minlength=count)
-        for k in np.flatnonzero(sizes < limit).tolist():
-            prices = sorted(
-                (
-                    float((cost[layer, h, _NON_BOUNDARY, r, c] - cost[layer, h, t, r, c]).mean()),
-                    other,
-                )
-                for other, walls in near.get(k, {}).items()
-                for t, (h, r, c) in [(_SIDE_BY_SIDE, np.array(walls).T)]
-            )
-            if prices and prices[0][0] < SMALL_COST:
-                _decide(near[k][prices[0][1]], _NON_BOUNDARY, types[layer], cost[layer])
-                merged += 1
-            elif not prices:
-                cells = regions[0] == k
-                price = (flag_cost[0, layer] - flag_cost[1, layer])[cells].sum()
-                if price < SMALL_COST:
-                    flag_cost[1, layer][cells] = 2 * CERTAIN_COST
-                    inside[layer][cells] = False
-                    merged += 1
-    return merged
-
-
-def merge_bands(inside: Flags, types: Types, belief: Costs, cost: Costs) -> int:
-    """Merge a band one cell wide into a neighbour where its two seams are one uncertain seam.
+def merge_thin_regions(inside: Flags, types: Types, belief: Costs, cost: Costs) -> int:
+    """Merge thin regions across their weakest seam, where that is worth less than `RARE_COST`.
 
     Args:
         inside: flags.
@@ -168,29 +139,85 @@ def merge_bands(inside: Flags, types: Types, belief: Costs, cost: Costs) -> int:
         cost: what the types cost now.
 
     Returns:
-        How many bands were merged.
+        How many regions were merged.
     """
     merged = 0
     for layer in range(len(inside)):
-        regions, count = label_panels(inside[layer : layer + 1], types[layer : layer + 1])
-        near = _interfaces(regions[0], types[layer])
-        for k in range(count):
-            rows, cols = np.nonzero(regions[0] == k)
-            if len(rows) < BAND_LENGTH or min(np.ptp(rows), np.ptp(cols)) > 0:
-                continue
-            across = BOTTOM if np.ptp(rows) == 0 else LEFT
-            sides: list[tuple[float, list[Wall]]] = []
-            for walls in near.get(k, {}).values():
-                along = [w for w in walls if w[0] == across]
-                if 2 * len(along) >= len(rows):
-                    h, r, c = np.array(along).T
-                    sides.append(
-                        (float(np.exp(-belief[layer, h, _SIDE_BY_SIDE, r, c]).mean()), walls)
-                    )
-            if len(sides) == 2 and sides[0][0] + sides[1][0] < BAND_SURENESS:
-                _decide(min(sides)[1], _NON_BOUNDARY, types[layer], cost[layer])
-                merged += 1
+        extra = belief[layer, :, _NON_BOUNDARY] - belief[layer, :, _SIDE_BY_SIDE]
+        while weak := _weak_seams(inside[layer], types[layer], extra):
+            for walls in weak:
+                _decide(walls, _NON_BOUNDARY, types[layer], cost[layer])
+            merged += len(weak)
     return merged
+
+
+def _weak_seams(
+    inside: np.ndarray, types: np.ndarray, extra: Float[np.ndarray, "2 row col"]
+) -> list[list[Wall]]:
+    """The weakest seams of thin regions of a layer, each region in one of them at most."""
+    labels, count = label_panels(inside[None], types[None])
+    regions = labels[0]
+    near = _interfaces(regions, types)
+    found = []
+    for k in np.flatnonzero(_are_thin(regions, count)).tolist():
+        for other, walls in near.get(k, {}).items():
+            h, row, col = np.array(walls).T
+            believed = [each for each in extra[h, row, col].tolist() if each > 0]
+            worth = sum(believed) / max(len(believed), 1)
+            if worth < RARE_COST:
+                found.append((worth, k, other))
+    weak: list[list[Wall]] = []
+    touched: set[int] = set()
+    for _, k, other in sorted(found):
+        if not touched & {k, other}:
+            touched |= {k, other}
+            weak.append(near[k][other])
+    return weak
+
+
+def _are_thin(regions: Int[np.ndarray, "row col"], count: int) -> Bool[np.ndarray, " region"]:
+    """Which regions are small, or bands of one cell's width."""
+    rows, cols = np.nonzero(regions >= 0)
+    label = regions[rows, cols]
+    widths = []
+    for at in (rows, cols):
+        low, high = np.full(count, len(regions)), np.full(count, -1)
+        np.minimum.at(low, label, at)
+        np.maximum.at(high, label, at)
+        widths.append(high - low)
+    is_band = (np.minimum(*widths) == 0) & (np.maximum(*widths) + 1 >= BAND_LENGTH)
+    return is_band | _are_small(regions, count)
+
+
+def drop_lone_cells(
+    inside: Flags, types: Types, flag_cost: Float[np.ndarray, "2 layer row col"]
+) -> int:
+    """Drop small regions that are sewn to nothing beside them, where they are hardly believed.
+
+    They are worth what their flags are in the mean.
+
+    Returns:
+        How many regions were dropped.
+    """
+    dropped = 0
+    for layer in range(len(inside)):
+        labels, count = label_panels(inside[layer : layer + 1], types[layer : layer + 1])
+        regions = labels[0]
+        near = _interfaces(regions, types[layer])
+        worth = flag_cost[0, layer] - flag_cost[1, layer]
+        for k in np.flatnonzero(_are_small(regions, count)).tolist():
+            cells = regions == k
+            if k not in near and worth[cells].mean() < RARE_COST:
+                flag_cost[1, layer][cells] = 2 * CERTAIN_COST
+                inside[layer][cells] = False
+                dropped += 1
+    return dropped
+
+
+def _are_small(regions: Int[np.ndarray, "row col"], count: int) -> Bool[np.ndarray, " region"]:
+    """Which regions have few cells."""
+    limit = SMALL_REGION if len(regions) >= SMALL_GRID else SMALL_REGION // 2
+    return np.bincount(regions[regions >= 0], minlength=count) < limit
 
 
 def _interfaces(

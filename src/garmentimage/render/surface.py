@@ -65,6 +65,10 @@ class Surface:
     def __post_init__(self) -> None:
         if not np.isfinite(self.points).all():
             raise RenderError(f"surface {quoted(self.name)}: has points that are no finite numbers")
+        # Compiled code looks these up without asking.
+        assert len(self.colour) == len(self.ids) == len(self.faces)
+        for numbers in (self.faces, self.seams, self.hems):
+            assert not numbers.size or 0 <= numbers.min() <= numbers.max() < len(self.points)
 
     @cached_property
     def light(self) -> Float32[np.ndarray, "face 3"]:

@@ -70,7 +70,8 @@ def _encode(light, table, codes):  # type: ignore[no-untyped-def]
         for col in range(light.shape[1]):
             for c in range(3):
                 bright = min(max(light[row, col, c], np.float32(0)), np.float32(1))
-                codes[row, col, c] = table[int(np.sqrt(bright) * last + np.float32(0.5))]
+                code = int(np.sqrt(bright) * last + np.float32(0.5))
+                codes[row, col, c] = table[min(max(code, 0), len(table) - 1)]
 
 
 @cache

@@ -1,0 +1,235 @@
+"""Surfaces as people have them, made into closed ones that look outwards.
+
+Each side of a triangle has a direction. On a closed surface every edge is gone along as often one
+way as the other; where it is not lies the **rim** of a hole. A surface whose rims are closed by
+caps has an inside everywhere, whatever else is wrong with it: lips that lie on each other, vertices
+that rounding has put in one place, parts that pass through each other. Which places are inside is
+told by the winding number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside
+segmentation using generalized winding numbers"), which `drape.field` counts.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+WELDS = (1e-6, 1e-5, 1e-4, 5e-4)
+"""Vertices along rims are one where they are nearer than the first of these shares of the
+surface's size that closes the rims, or that leaves least open."""
+SMALL_PART = 0.1
+"""Parts smaller than this share of the whole are eyes, teeth and lashes."""
+TWINNED = 0.5
+"""Where more than this share of the triangles have a twin that looks the other way, the surface
+was written with two sides."""
+
+Points = Float[np.ndarray, "vertex 3"]
+Faces = Int[np.ndarray, "face 3"]
+Loops = list[Int[np.ndarray, " corner"]]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles and the rims that they leave open."""
+
+    points: Points
+    faces: Faces
+    rims: Loops
+    """Corners along each rim, in the direction in which the triangles go along it."""
+
+
+def welded(points: Points, faces: Faces) -> Surface:
+    """The surface with vertices of one place made one, and along rims those that nearly coincide.
+
+    Triangles that look to different sides are made to agree.
+
+    Args:
+        points: in any unit.
+        faces: corners into `points`.
+    """
+    places, number = np.unique(points, axis=0, return_inverse=True)
+    best = agreeing(_without_twins(number.reshape(-1)[faces]))
+    rim = _rim_edges(best)
+    for share in WELDS:
+        if not len(rim):
+            break
+        near = share * size(places[best].reshape(-1, 3))
+        joined = agreeing(_without_twins(_joined(places, rim, near)[best]))
+        closer = _rim_edges(joined)
+        if len(closer) < len(rim):
+            best, rim = joined, closer
+    return Surface(places, best, _loops(rim))
+
+
+def parts(surface: Surface) -> list[Surface]:
+    """The connected parts, those with most triangles first, their vertices numbered anew."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    points, faces = surface.points, surface.faces
+    ends = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
+    joined = coo_array((np.ones(len(ends)), tuple(ends.T)), shape=(len(points), len(points)))
+    _, label = connected_components(joined, directed=False)
+    _, part, sizes = np.unique(label[faces[:, 0]], return_inverse=True, return_counts=True)
+    found = []
+    for k in np.argsort(-sizes, kind="stable").tolist():
+        used, number = np.unique(faces[part == k], return_inverse=True)
+        own = number.reshape(-1, 3)
+        found.append(Surface(points[used], own, _loops(_rim_edges(own))))
+    return found
+
+
+def united(surfaces: list[Surface]) -> tuple[Points, Faces]:
+    """Several surfaces as one, each looking outwards, their rims closed by fans."""
+    points, faces, first = [], [], 0
+    for surface in surfaces:
+        own_points, own = capped(surface)
+        points.append(own_points)
+        faces.append((own if _volume(own_points, own) > 0 else own[:, ::-1]) + first)
+        first += len(own_points)
+    return np.concatenate(points), np.concatenate(faces)
+
+
+def capped(surface: Surface) -> tuple[Points, Faces]:
+    """The triangles, and for each rim a fan from its middle that closes it."""
+    points, faces = [surface.points], [surface.faces]
+    for k, rim in enumerate(surface.rims):
+        middle = len(surface.points) + k
+        points.append(surface.points[rim].mean(axis=0)[None])
+        # The cap goes along the rim the other way.
+        faces.append(np.stack([np.roll(rim, -1), rim, np.full(len(rim), middle)], axis=1))
+    return np.concatenate(points), np.concatenate(faces)
+
+
+def size(points: Points) -> float:
+    """Diagonal of the box round the points."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def _volume(points: Points, faces: Faces) -> float:
+    a, b, c = np.moveaxis(points[faces] - points[0], 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+
+
+def _without_twins(faces: Faces) -> Faces:
+    """The triangles without those of no extent and those that cancel each other.
+
+    Two with the same corners that look opposite ways are a fold that rounding has closed. If most
+    have such a twin, the surface was written with two sides, and the first of each two is kept.
+    """
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    if not len(faces):
+        return faces
+    order = np.sort(faces, axis=1)
+    ahead = faces[np.arange(len(faces)), (faces.argmin(axis=1) + 1) % 3] == order[:, 1]
+    _, first, group = np.unique(order, axis=0, return_index=True, return_inverse=True)
+    group = group.reshape(-1)
+    forward, backward = (np.bincount(group, way) for way in (ahead, ~ahead))
+    if (forward == backward).mean() > TWINNED:
+        return faces[np.sort(first)]
+    cancelled = np.minimum(forward, backward)[group]
+    return faces[np.where(ahead, _rank(group, ahead), _rank(group, ~ahead)) >= cancelled]
+
+
+def _rank(group: Int[np.ndarray, " n"], counted: Bool[np.ndarray, " n"]) -> Int[np.ndarray, " n"]:
+    """How many of the same group that are counted come before each."""
+    order = np.argsort(group, kind="stable")
+    before = np.cumsum(counted[order]) - counted[order]
+    starts = np.searchsorted(group[order], group[order])
+    rank = np.empty(len(group), np.int64)
+    rank[order] = before - before[starts]
+    return rank
+
+
+def _edges(faces: Faces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Ends of each edge, lower number first; the edge of each side; 1 or -1 for its direction.
+
+    First come the first sides of all triangles, then the second and the third.
+    """
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    ends = np.sort(sides, axis=1)
+    number = ends[:, 0] * (int(faces.max(initial=0)) + 1) + ends[:, 1]
+    _, first, edge = np.unique(number, return_index=True, return_inverse=True)
+    return ends[first], edge.reshape(-1), np.where(sides[:, 0] < sides[:, 1], 1, -1)
+
+
+def _rim_edges(faces: Faces) -> Int[np.ndarray, "edge 2"]:
+    """Directed edges that are gone along more often one way than the other, as often as that."""
+    ends, edge, way = _edges(faces)
+    net = np.bincount(edge, way, minlength=len(ends)).astype(int)
+    edges = np.repeat(ends, np.abs(net), axis=0)
+    backwards = np.repeat(net < 0, np.abs(net))
+    edges[backwards] = edges[backwards][:, ::-1]
+    return edges
+
+
+def agreeing(faces: Faces) -> Faces:
+    """The triangles turned so that neighbours look to the same side.
+
+    Each triangle stands twice in a graph, as it is and turned over; neighbours that agree are
+    joined as they stand, others crosswise. So the triangles that agree with each other are one
+    connected part of it.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    ends, edge, way = _edges(faces)
+    paired = np.bincount(edge, minlength=len(ends)) == 2
+    if not (paired & (np.bincount(edge, way, minlength=len(ends)) != 0)).any():
+        return faces
+    order = np.argsort(edge, kind="stable")
+    first, second = order[paired[edge[order]]].reshape(-1, 2).T
+    count = len(faces)
+    a, b = first % count, second % count
+    across = np.where(way[first] == way[second], count, 0)
+    joined = coo_array(
+        (
+            np.ones(2 * len(a)),
+            (np.concatenate([a, a + count]), np.concatenate([b + across, b + count - across])),
+        ),
+        shape=(2 * count, 2 * count),
+    )
+    _, part = connected_components(joined, directed=False)
+    turned = part[:count] > part[count:]
+    return np.where(turned[:, None], faces[:, ::-1], faces)
+
+
+def _joined(
+    points: Points, ends: Int[np.ndarray, "edge 2"], near: float
+) -> Int[np.ndarray, " vertex"]:
+    """For each vertex the first one along the rims that lies so near, else itself."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    rim = np.unique(ends)
+    pairs = cKDTree(points[rim]).query_pairs(near, output_type="ndarray")
+    joins = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(rim), len(rim)))
+    _, label = connected_components(joins, directed=False)
+    _, first = np.unique(label, return_index=True)
+    to = np.arange(len(points))
+    to[rim] = rim[first[label]]
+    return to
+
+
+def _loops(ends: Int[np.ndarray, "edge 2"]) -> Loops:
+    """Directed edges as simple loops, each once round."""
+    follow: dict[int, list[int]] = {}
+    for a, b in ends.tolist():
+        follow.setdefault(a, []).append(b)
+    loops = []
+    for start in list(follow):
+        path, place = [start], {start: 0}
+        while follow[path[-1]]:
+            following = follow[path[-1]].pop()
+            if following not in place:
+                place[following] = len(path)
+                path.append(following)
+                continue
+            # Wherever the way meets itself, a loop is closed.
+            loop = path[place[following] :]
+            loops.append(np.array(loop))
+            for vertex in loop[1:]:
+                del place[vertex]
+            path = path[: place[following] + 1]
+    return loops

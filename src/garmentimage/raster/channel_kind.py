@@ -1,0 +1,62 @@
+"""What the numbers for flags and edge types are: shares, logits, or channels to be decided.
+
+- **shares**: probabilities, as after a sigmoid and a softmax.
+- **logits**: what a network gives before these.
+- **channels**: the channels themselves, decided at .5 and by the largest of four, as a network
+  that was taught with squared errors gives them: a little below 0 and above 1.
+"""
+
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.errors import ImageError
+
+ChannelKind = Literal["shares", "logits", "channels"]
+CHANNEL_KINDS: tuple[ChannelKind, ...] = get_args(ChannelKind)
+
+SHARE_SLACK = 0.02
+"""Shares may lie this far outside 0..1."""
+FEW = 0.01
+"""Share of the numbers that may be outliers."""
+CHANNEL_SLACK, CHANNEL_FEW = 0.5, 0.05
+"""Channels lie within 0..1 give or take the first, but for the second share of them."""
+SUM_MISS = 0.5
+"""Of channels, the sum of a grid edge's four types misses 1 by less, in half of all places or more;
+nothing draws that of logits to 1."""
+
+
+def kind_of(
+    flags: Float[np.ndarray, "layer row col"], types: Float[np.ndarray, "layer 2 4 row col"]
+) -> ChannelKind:
+    """What numbers are, judged by all of them together, so that an outlier changes nothing."""
+    if is_plain(flags, types):
+        return "channels"
+    numbers = np.concatenate([flags.ravel(), types.ravel()])
+    beyond = np.maximum(-numbers, numbers - 1)
+    if (beyond > SHARE_SLACK).mean() <= FEW:
+        return "shares"
+    return "channels" if are_channels(types) else "logits"
+
+
+def are_channels(types: Float[np.ndarray, "layer 2 4 row col"]) -> bool:
+    """Whether numbers of edge types are one-hot but for the errors of a network."""
+    beyond = np.maximum(-types, types - 1)
+    is_near_one = np.median(np.abs(types.sum(axis=2) - 1)) < SUM_MISS
+    return bool(is_near_one and (beyond > CHANNEL_SLACK).mean() <= CHANNEL_FEW)
+
+
+def is_plain(flags: np.ndarray, types: np.ndarray) -> bool:
+    """Whether all numbers are 0 or 1, so that there is nothing to guess."""
+    return all(bool(((each == 0) | (each == 1)).all()) for each in (flags, types))
+
+
+def check_kind(kind: str) -> None:
+    """Refuse a kind that there is none of.
+
+    Raises:
+        ImageError: it is none of `CHANNEL_KINDS`.
+    """
+    if kind not in CHANNEL_KINDS:
+        raise ImageError(f"no kind of channels {kind!r}; there are {', '.join(CHANNEL_KINDS)}")
