@@ -10,12 +10,12 @@ from garmentimage import EncodeError
 from garmentimage.draft.kinds import draft
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
+from garmentimage.raster.attempts import lattice_paths
 from garmentimage.raster.canonical import canonical
 from garmentimage.raster.compact import compact
 from garmentimage.raster.complex import seam_complex
 from garmentimage.raster.deform import deform_quad_mesh
 from garmentimage.raster.drawing import drawing_of, joined_links, with_links
-from garmentimage.raster.encode import lattice_paths
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.layout import layouts
 from garmentimage.raster.place import place
