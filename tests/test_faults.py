@@ -18,6 +18,7 @@ from garmentimage import decode, load_image
 from garmentimage.cli import main
 from garmentimage.compare.judge import judge
 from garmentimage.drape.field import body_field
+from garmentimage.drape.girths import girth
 from garmentimage.drape.glb import load_worn
 from garmentimage.drape.openings import openings
 from garmentimage.drape.rest import rest_of
@@ -31,6 +32,9 @@ NEAR_CM = 3.0
 """How far the upper edge may lie from where it is worn."""
 BAND_CM = 6.0
 """A waistband may stand over the waist by this much, and a collar over the neck."""
+HIPS_CM, DRAWN_CM = 13.0, 4.0
+"""An upper edge that is longer than the waist, by more than the second, lies lower, on the hips,
+where the body is thick enough, but no further below the waist than the first."""
 LEVEL_CM = 8.0
 """From the lowest to the highest point of an upper edge; waists are up to 4 cm lower in front."""
 CHEST = 0.7
@@ -126,13 +130,6 @@ LEAST_WORN = {
     "one-panel-dress": "shoulders", "top-pants": "shoulders",
 }  # fmt: skip
 """By the first word of a file, where a kind holds several garments."""
-AWAITED: tuple[str, ...] = (
-    "body-rounded-3", "body-smplx-eyes", "circle-skirt", "mse-outputs", "origin-elsewhere",
-    "petite-skirt", "public-circle-no-band", "public-hood", "public-likeness", "public-skin",
-    "public-strapless", "soft-shares", "strapless", "tiny-edge", "traced-polyline",
-    "waist-too-wide", "zero-length-edge",
-)  # fmt: skip
-"""Kinds that are not mended yet."""
 
 
 def _files(ending: str) -> list[str]:
@@ -146,11 +143,7 @@ def _files(ending: str) -> list[str]:
 
 
 def _params(names):
-    awaited = pytest.mark.xfail(strict=False, reason="not mended yet")
-    return [
-        pytest.param(name, marks=[awaited] if name.split("/")[0] in AWAITED else [], id=name)
-        for name in names
-    ]
+    return [pytest.param(name, id=name) for name in names]
 
 
 MEASUREMENTS = re.compile(r"petite-skirt/petite_\d+\.json")
@@ -275,7 +268,8 @@ def assert_worn(glb, place):
     for top in tops:
         low, high = (np.percentile(top[:, 1], share) for share in (2, 98))
         middle = float(top[:, 1].mean())
-        at_waist = waist - NEAR_CM <= middle <= waist + BAND_CM and high - low <= LEVEL_CM
+        lowest = _holding(worn.body, waist, top) - NEAR_CM
+        at_waist = lowest <= middle <= waist + BAND_CM and high - low <= LEVEL_CM
         at_neck = shoulder <= high <= neck + BAND_CM
         chest = waist + CHEST * (shoulder - waist)
         at_chest = chest - 2 * NEAR_CM <= middle <= shoulder + NEAR_CM
@@ -283,6 +277,13 @@ def assert_worn(glb, place):
         right = {"waist": at_waist and is_held, "shoulders": at_neck, "chest": at_chest and is_held,
                  "both": (at_waist and is_held) or at_neck}[place]  # fmt: skip
         assert right, f"its upper edge lies at {low:.0f} to {high:.0f} cm, the waist at {waist:.0f}"
+
+
+def _holding(body, waist, edge):
+    """Height at which the body is thick enough to hold a closed edge: the waist, or below it."""
+    length = np.linalg.norm(edge - np.roll(edge, 1, axis=0), axis=1).sum()
+    levels = np.arange(waist, waist - HIPS_CM, -1.0)
+    return next((y for y in levels if girth(body, y) >= length - DRAWN_CM), waist)
 
 
 def _upper_edges(faces, points):

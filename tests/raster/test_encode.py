@@ -163,6 +163,8 @@ def test_seams_that_cross_when_laid_flat_are_named_by_their_panels():
     names = ("left", "right", "under left", "under right")
     places = ((-30.0, 100.0), (10.0, 100.0), (-30.0, 70.0), (10.0, 70.0))
     squares = [_square(name, x, y, 20.0) for name, (x, y) in zip(names, places)]
+    x, y, z = squares[0].translation
+    squares[0] = replace(squares[0], translation=(x, y, z + 5.0))
     crosswise = tuple(
         Stitch(Side(above, 0), Side(below, 2))
         for above, below in (("left", "under right"), ("right", "under left"))

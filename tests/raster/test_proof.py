@@ -200,6 +200,22 @@ def test_what_no_grid_can_mend_is_not_tried_on_others(monkeypatch):
     assert told.value.remedy == "pattern" and len(grids) <= 1
 
 
+def test_panels_without_a_place_on_the_body_are_refused_as_what_they_are(monkeypatch):
+    dress = load_pattern(example_path("dress"))
+    flat = tuple(
+        replace(panel, rotation=(0.0, 0.0, 0.0), translation=(200.0 * k, 0.0, 0.0))
+        for k, panel in enumerate(dress.panels)
+    )
+    grids = []
+    once = encode_module._encode
+    monkeypatch.setattr(
+        encode_module, "_encode", lambda *args: grids.append(args[-1].grid) or once(*args)
+    )
+    with pytest.raises(EncodeError, match="side by side as on paper") as found:
+        encode(replace(dress, panels=flat))
+    assert found.value.remedy == "pattern" and len(grids) <= 1
+
+
 @slowly
 @given(garments())
 def test_a_garment_drawn_inside_out_comes_back_right_side_out(garment):

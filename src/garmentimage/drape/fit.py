@@ -241,11 +241,8 @@ def fit_on(cloth: Cloth, name: str, *, made_for: float | None = None, pose: str 
         waist = Girth("waist", min(edges), tapes(body)["waist"].girth)
         found = (waist, *(g for g in found if g.place != "waist"))
     tight = sum(max(g.missing - GIVES, 0.0) for g in found)
-    loose = sum(
-        max(s.length / s.girth - 1 - HOLDS, 0.0)
-        for s in stood
-        if s.held is not Held.SHOULDERS and not s.holds
-    )
+    held = [s for s in stood if s.held is not Held.SHOULDERS]
+    loose = sum(max(s.length / s.girth - 1 - HOLDS, 0.0) for s in held)
     return Fit(name, found, tight, loose)
 
 

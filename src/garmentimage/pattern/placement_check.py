@@ -150,6 +150,8 @@ def _flat_finding(pattern: Pattern) -> Finding | None:
             "back panels at -z and turned by 180 degrees about y"
         )
         return Finding("placement", message, "unplaced")
+    if _seams_meet(pattern):
+        return None  # one side of a garment, its parts where they are worn
     message = (
         "all panels lie in one plane, side by side as on paper; place them around the body: "
         "front panels at +z, back panels at -z and turned by 180 degrees about y"

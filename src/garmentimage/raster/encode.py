@@ -17,6 +17,7 @@ from garmentimage.errors import EncodeError, check_type, quoted
 from garmentimage.geometry.polygons import centroid, resample, signed_area
 from garmentimage.pattern.direction import turned_round
 from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.placement_check import unknown_place
 from garmentimage.raster.attempts import drawings, trials
 from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.complex import SeamComplex, seam_complex
@@ -72,6 +73,17 @@ def encode(
     check_type(grid, Integral, "give the number of cells along each side")
     if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
         raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
+    try:
+        return _encoded(pattern, int(grid), frame, verify=verify)
+    except EncodeError:
+        unknown = unknown_place(pattern)
+        if unknown is None:
+            raise
+        raise EncodeError(str(unknown), remedy="pattern") from None
+
+
+def _encoded(pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool) -> GarmentImage:
+    """See `encode`; what is in the way is the grid or the garment's shape."""
     placed = place(pattern)
     if all(panel.sign != panel.outward for panel in placed.panels):
         pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
@@ -83,7 +95,7 @@ def encode(
     try:
         return _encode(pattern, graph, layouts_, BodyFrame.standard(grid))
     except EncodeError as error:
-        if error.remedy == "pattern":
+        if error.remedy == "pattern" or unknown_place(pattern) is not None:
             raise
         tried = [larger for larger in LARGER_GRIDS if larger > grid]
         for larger in tried:
