@@ -21,6 +21,7 @@ from garmentimage.drape.mesh import mesh
 from garmentimage.drape.stand import standing
 from garmentimage.drape.start import start_points
 from garmentimage.errors import DrapeError, quoted
+from garmentimage.pattern.dissolve import without_stubs
 from garmentimage.pattern.model import Pattern
 
 AUTO = "auto"
@@ -263,7 +264,7 @@ def best_fit(patterns: Sequence[Pattern], *, made_for: float | None = None, pose
     """
     if not patterns:
         raise DrapeError("there is no garment to choose a body for")
-    clothes = [mesh(pattern) for pattern in patterns]
+    clothes = [mesh(without_stubs(pattern)) for pattern in patterns]
     fits = []
     for name in ORDER:
         each = [fit_on(cloth, name, made_for=made_for, pose=pose) for cloth in clothes]

@@ -22,6 +22,7 @@ from garmentimage.drape.start import start_points
 from garmentimage.drape.tuck import tucked_in
 from garmentimage.drape.worn import Worn
 from garmentimage.errors import DrapeError, check_type, quoted
+from garmentimage.pattern.dissolve import without_stubs
 from garmentimage.pattern.model import Pattern
 from garmentimage.pattern.placement_check import unknown_place
 
@@ -79,6 +80,7 @@ def drape(
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
     _check_sewn(pattern)
+    pattern = without_stubs(pattern)
     check_size(pattern)
     check_placed(pattern)
     _check_surrounding(pattern)
