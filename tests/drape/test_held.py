@@ -22,7 +22,7 @@ from garmentimage.drape.start import start_points
 from garmentimage.drape.wear import check_worn, drape
 from garmentimage.errors import DrapeError
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
-from garmentimage.pattern.spec import load_pattern, save_pattern
+from garmentimage.pattern.spec import read_pattern, save_pattern
 from tests.corpus import unpacked
 from tests.drape.garments import circle_skirt, moved, strapless_dress, tube, unnamed
 from tests.drape.sheets import SOFT, sheet
@@ -251,7 +251,7 @@ def faults(tmp_path: Path, kind: str) -> list[Path]:
 @pytest.mark.corpus
 def test_circle_skirts_by_others_without_a_band_are_level_on_the_waist(tmp_path):
     for path in faults(tmp_path, "public-circle-no-band"):
-        found = drape(load_pattern(path))
+        found = drape(read_pattern(path)[0])
         check_worn(found)
         top = top_edge(found)
         assert np.ptp(top[:, 1]) < 1.0, path.stem
@@ -261,7 +261,7 @@ def test_circle_skirts_by_others_without_a_band_are_level_on_the_waist(tmp_path)
 @pytest.mark.corpus
 def test_strapless_clothes_by_others_are_held_at_the_chest_or_said_to_have_slid(tmp_path):
     for path in faults(tmp_path, "public-strapless"):
-        found = drape(load_pattern(path))
+        found = drape(read_pattern(path)[0])
         assert set(found.report.slid) <= {"chest", "shoulders"}, path.stem
         high = top_edge(found)[:, 1].mean() > waist_height(found.body) + 8.0
         assert high or found.report.faults, path.stem
@@ -272,6 +272,6 @@ def test_moved_and_petite_clothes_are_worn_where_they_belong(tmp_path):
     for path in [*faults(tmp_path, "origin-elsewhere"), *faults(tmp_path, "petite-skirt")]:
         if path.stem.startswith("petite"):
             continue
-        found = drape(load_pattern(path), vertices=1000)
+        found = drape(read_pattern(path)[0], vertices=1000)
         check_worn(found)
         assert max(found.report.slid.values()) <= MOST_SLID + 0.1, path.stem

@@ -14,7 +14,7 @@ from garmentimage.drape.held import Held
 from garmentimage.drape.stand import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, standing
 from garmentimage.errors import DraftError
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.spec import load_pattern
+from garmentimage.pattern.spec import read_pattern
 from tests.corpus import corpus_sample
 from tests.drape.garments import circle_skirt, moved, strapless_dress, tube, unnamed, world
 
@@ -210,7 +210,7 @@ def test_lengths_are_scaled_only_when_asked():
 def test_patterns_by_others_are_held_where_they_are_worn():
     body = load_body()
     for path in corpus_sample(60):
-        placed, (report, *_) = standing(load_pattern(path), body)
+        placed, (report, *_) = standing(read_pattern(path)[0], body)
         low, high = world(placed)[:, 1].min(), world(placed)[:, 1].max()
         name = path.stem
         if "tee" in name or "jacket" in name or "jumpsuit" in name:

@@ -18,6 +18,7 @@ from garmentimage.drape.wear import check_worn, drape
 from garmentimage.errors import GarmentImageError
 from garmentimage.examples import example_path
 from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side, Stitch
+from garmentimage.pattern.spec import read_pattern
 from tests.corpus import corpus_sample
 
 LIMBS = tuple(BONES)[1:]
@@ -245,7 +246,7 @@ def test_most_patterns_by_others_are_worn_without_fault():
     sample = corpus_sample(60)
     for path in sample:
         try:
-            faults[path.stem] = drape(load_pattern(path), "slim-female").report.faults
+            faults[path.stem] = drape(read_pattern(path)[0], "slim-female").report.faults
         except GarmentImageError as error:
             faults[path.stem] = (str(error),)
     bad = {name: found for name, found in faults.items() if found}

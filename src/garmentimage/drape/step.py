@@ -26,6 +26,8 @@ LIFT_EVERY = 2
 SKIN_COVER = 0.15
 """The middles of triangles and of their sides stay this far outside the skin [cm]; so that they
 do, their corners stay farther off than the cloth is thick."""
+TAUT = 0.15
+"""Cloth that is stretched by this share is not raised."""
 LOWERED = 0.9
 """Corners come back by this share of the lift each time where the skin is covered by twice that."""
 ALIKE = 0.5
@@ -81,7 +83,7 @@ def simulate(
             _hold(points, moved, held)
             _collide(points, moved, planes, friction, grip, rubs, push_speed * step)
         if not gathering and frame % LIFT_EVERY == 0:
-            _lift(points, triangles, field, planes, lift)
+            _lift(points, triangles, ends, lengths, field, planes, lift)
         speeds[frame] = _mean_distance(points, before) / FRAME
         if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
             return frame + 1, True
@@ -165,9 +167,21 @@ def _find_planes(points, field, thickness, lift, reach, planes, rest):
 
 
 @njit(cache=True)
-def _lift(points, triangles, field, planes, lift):
-    """Raise the corners of triangles in which the body comes through, and lower the others."""
+def _lift(points, triangles, ends, lengths, field, planes, lift):
+    """Raise the corners of triangles in which the body comes through, and lower the others.
+
+    Cloth that is taut already is not raised: it would be stretched by its coarse triangles only.
+    """
     faces, most = triangles
+    taut = np.zeros(len(points))
+    for e in range(len(ends)):
+        a, b = ends[e, 0], ends[e, 1]
+        x = points[b, 0] - points[a, 0]
+        y = points[b, 1] - points[a, 1]
+        z = points[b, 2] - points[a, 2]
+        stretch = np.sqrt(x * x + y * y + z * z) / (lengths[e] + SHORTEST) - 1.0
+        taut[a] = max(taut[a], stretch)
+        taut[b] = max(taut[b], stretch)
     needed = np.full(len(points), -np.inf)
     for f in range(len(faces)):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
@@ -181,7 +195,9 @@ def _lift(points, triangles, field, planes, lift):
         if c < a:
             _need(points, field, planes, needed, c, a, a)
     for i in range(len(points)):
-        if needed[i] > 0.0:
+        if taut[i] > TAUT:
+            lift[i] *= LOWERED
+        elif needed[i] > 0.0:
             lift[i] = min(lift[i] + needed[i], most[i])
         elif needed[i] < -SKIN_COVER:
             lift[i] *= LOWERED
