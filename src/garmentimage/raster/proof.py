@@ -13,6 +13,7 @@ from garmentimage.compare.stitch_graph import (
     StitchGraph,
     lengths_agree,
     match_graphs,
+    same_stitch_graph,
     stitch_graph,
 )
 from garmentimage.errors import DecodeError
@@ -55,10 +56,15 @@ def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Dispr
     back = stitch_graph(decoded)
     if surely_same(pattern, decoded, (graph, back)):
         return Disproof()
-    result = judge(pattern, decoded)
-    if result.success:
-        return Disproof()
-    reason, *others = result.reasons
+    # With marks every panel has its name again, so that no other assignment need be looked for.
+    same = {name: name for name in graph.panels if name in back.panels}
+    lost = same_stitch_graph(graph, back, same)
+    if not lost:
+        result = judge(pattern, decoded)
+        if result.success:
+            return Disproof()
+        lost = list(result.reasons)
+    reason, *others = lost
     more = f" (and {len(others)} more)" if others else ""
     return Disproof(
         f"its image does not bring it back: {reason}{more}", lengthening(pattern, graph, back)
