@@ -108,7 +108,7 @@ def _drawn(item: Item, rng: np.random.Generator) -> Path | tuple[str, int]:
 
 
 def measured(item: Item) -> dict[str, Any]:
-    """What comes of one garment."""
+    """The record of one garment."""
     resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_LIMIT, MEMORY_LIMIT))
     mutation, source, whole, spec, expected = mutated(item)
     told: dict[str, Any] = {"mutation": mutation, "source": source, "what": expected.what}
@@ -201,7 +201,7 @@ def items(name: str, args: argparse.Namespace, files: tuple[Path, ...]) -> Itera
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folders", nargs="*", type=Path)
-    parser.add_argument("--records", type=Path, required=True, help="folder; gone on with")
+    parser.add_argument("--records", type=Path, required=True, help="folder, to continue from")
     parser.add_argument("--count", type=int, default=20_000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
