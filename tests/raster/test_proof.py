@@ -32,6 +32,7 @@ from garmentimage.raster.proof import Disproof, bowed, disproof, lengthening
 from tests.compare.garments import transformed_panel, without_stitch
 from tests.corpus import unpacked
 from tests.garments import garments
+from tests.pattern.test_placement_check import Z_UP, in_world
 
 slowly = settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 
@@ -214,6 +215,18 @@ def test_panels_without_a_place_on_the_body_are_refused_as_what_they_are(monkeyp
     with pytest.raises(EncodeError, match="side by side as on paper") as found:
         encode(replace(dress, panels=flat))
     assert found.value.remedy == "pattern" and len(grids) <= 1
+
+
+def test_a_garment_in_a_world_with_z_up_comes_back_as_it_is_or_is_refused():
+    """Its panels seem to face the body; turned over they would be another garment."""
+    for kind in ("skirt", "pants", "tee", "one-panel-dress"):
+        garment = in_world(draft(kind), Z_UP)
+        try:
+            image = encode(garment)
+        except EncodeError as error:
+            assert "stand upright along z" in str(error)
+            continue
+        assert judge(garment, decode(image)).success
 
 
 @slowly

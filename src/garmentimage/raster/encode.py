@@ -86,6 +86,8 @@ def _encoded(pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bo
     """See `encode`; what is in the way is the grid or the garment's shape."""
     placed = place(pattern)
     if all(panel.sign != panel.outward for panel in placed.panels):
+        if unknown_place(pattern) is not None:
+            raise EncodeError("all its panels face the body", remedy="pattern")
         pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
         placed = place(pattern)
     layouts_ = _Kept(layouts(seam_complex(placed)))
