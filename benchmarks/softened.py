@@ -6,7 +6,7 @@
 FOLDERs of pattern files are sources, and so are drafts of every kind. Each true raster is given as
 shares of .9, .99 and .999 for what is true, the rest spread evenly; as these with noise of one nat
 added to every logit; and as outputs of a network of squared errors, the truth with noise of 0.1.
-What comes back at each level of repair is compared with what comes of the raster itself at that
+The pattern decoded at each level of repair is compared with that of the raster itself at that
 level. The noise is drawn anew for each raster, from its name.
 """
 
