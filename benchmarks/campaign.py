@@ -30,17 +30,17 @@ import numpy as np
 from mutations import MUTATIONS, Expected
 from provenance import data_hash, provenance
 
-from garmentimage.compare.judge import judge
+from garmentimage.compare.judging import judge
 from garmentimage.draft.kinds import KINDS
-from garmentimage.draft.sample import sample
-from garmentimage.drape.wear import drape
+from garmentimage.draft.sampling import sample
+from garmentimage.drape.draping import drape_pattern
 from garmentimage.errors import GarmentImageError
 from garmentimage.evaluate.records import Records
+from garmentimage.pattern.files.spec import read_pattern
+from garmentimage.pattern.files.spec_writer import pattern_to_spec
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.spec import read_pattern
-from garmentimage.pattern.spec_writer import pattern_to_spec
-from garmentimage.raster.decode import decode
-from garmentimage.raster.encode import encode
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.encode.encoder import encode
 
 DRAFTED = 5
 """One in so many garments is drafted here, the others are of the folders."""
@@ -63,7 +63,7 @@ class Item:
     """One mutated garment, and how far it goes."""
 
     name: str
-    """`encode`: through check, encode and decode; `drape`: through check and drape."""
+    """`encode`: through check, encode and decode; `drape_pattern`: through check and drape."""
     number: int
     seed: int
     files: tuple[Path, ...]
@@ -145,7 +145,7 @@ def _encoded(whole: dict[str, Any], pattern: Pattern, expected: Expected) -> dic
 
 
 def _draped(whole: dict[str, Any], pattern: Pattern, expected: Expected) -> dict[str, Any]:
-    worn = drape(pattern)
+    worn = drape_pattern(pattern)
     if worn.report.faults:
         why = "; ".join(worn.report.faults)[:300]
         if expected.near is None:
@@ -176,7 +176,7 @@ def _draped(whole: dict[str, Any], pattern: Pattern, expected: Expected) -> dict
 def _hung(spec: str) -> tuple[np.ndarray, float] | None:
     """Middle and height of a garment where it hangs [cm]; None where it does not hang well."""
     try:
-        worn = drape(_read(json.loads(spec)))
+        worn = drape_pattern(_read(json.loads(spec)))
     except GarmentImageError:
         return None
     return (

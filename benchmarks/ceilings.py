@@ -18,10 +18,10 @@ import numpy as np
 from provenance import provenance
 
 import garmentimage as gi
-from garmentimage.draft.sample import sample
+from garmentimage.draft.sampling import sample
 from garmentimage.metrics import likeness, published_figures, slots_of
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.spec import read_pattern
 
 PUBLISHED = ("neuraltailor", "sewformer", "aipparel")
 

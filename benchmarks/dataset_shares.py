@@ -12,8 +12,8 @@ from pathlib import Path
 
 from provenance import provenance
 
-from garmentimage.dataset.build import DATA, Build, build
-from garmentimage.dataset.recipe import recipe, recipe_names
+from garmentimage.dataset.building import DATA, Build, build
+from garmentimage.dataset.recipe import load_recipe, recipe_names
 
 
 def main() -> int:
@@ -26,10 +26,10 @@ def main() -> int:
     result = {**provenance([]), "rows_a_type": args.count, "seed": 0, "recipes": {}}
     for name in recipe_names():
         folder = args.folder / name
-        summary = build(Build(recipe(name), folder, args.count), workers=args.workers)
+        summary = build(Build(load_recipe(name), folder, args.count), workers=args.workers)
         size = sum(path.stat().st_size for path in (folder / DATA).glob("*.parquet"))
         result["recipes"][name] = {
-            "drawn": args.count * len(recipe(name).types),
+            "drawn": args.count * len(load_recipe(name).types),
             "rows": summary["rows"],
             "share": summary["share"],
             "failed": summary["failed"],

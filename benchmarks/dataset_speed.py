@@ -19,8 +19,8 @@ from pathlib import Path
 
 from provenance import provenance
 
-from garmentimage.dataset.build import Build, build, make_shard, plan
-from garmentimage.dataset.recipe import recipe
+from garmentimage.dataset.building import Build, build, make_shard, plan
+from garmentimage.dataset.recipe import load_recipe
 
 OVERHEAD_COUNT = 100
 
@@ -30,7 +30,7 @@ def peak_mb(name: str, folder: Path, count: int) -> float:
     code = (
         "import re\n"
         "from pathlib import Path\n"
-        "from garmentimage.dataset.build import Build, build\n"
+        "from garmentimage.dataset.building import Build, build\n"
         "from garmentimage.dataset.recipe import recipe\n"
         "if __name__ == '__main__':\n"
         f"    build(Build(recipe({name!r}), Path({str(folder)!r}), {count}))\n"
@@ -53,7 +53,7 @@ def main() -> int:
     args = parser.parse_args()
     shutil.rmtree(args.folder, ignore_errors=True)
     args.folder.mkdir(parents=True)
-    what = Build(recipe(args.recipe), args.folder / "rate", args.count)
+    what = Build(load_recipe(args.recipe), args.folder / "rate", args.count)
     began = time.perf_counter()
     summary = build(what, workers=args.workers)
     seconds = time.perf_counter() - began
@@ -82,7 +82,7 @@ def main() -> int:
     result["overhead"] = round((max(ends.values()) - ends[first]) / work - 1, 4)
     for times in (1, 5):
         count = times * args.memory
-        rows = count * len(recipe("vae-topology").types)
+        rows = count * len(load_recipe("vae-topology").types)
         peak = peak_mb("vae-topology", args.folder / f"memory-{times}", count)
         result[f"driver_mb_{rows}_rows"] = round(peak, 1)
     print(json.dumps(result, indent=1))

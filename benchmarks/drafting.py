@@ -21,9 +21,9 @@ from provenance import provenance
 from tqdm import tqdm
 
 from garmentimage.draft.kinds import KINDS
-from garmentimage.draft.sample import ANY_BODY, sample
+from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.metrics.roundtrip import roundtrip_many, summarise, summary_table
-from garmentimage.pattern.spec import save_pattern
+from garmentimage.pattern.files.spec import save_pattern
 
 
 def sampled(kind: str, count: int, seed: int, folder: Path) -> dict[str, Any]:

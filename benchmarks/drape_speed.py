@@ -29,24 +29,24 @@ from typing import Any
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported
 
-import numpy as np  # noqa: E402
-from provenance import provenance  # noqa: E402
+import numpy as np
+from provenance import provenance
 
-from garmentimage.body.body import Body, load_body  # noqa: E402
-from garmentimage.body.measurements import measurements  # noqa: E402
-from garmentimage.body.stance import stand_straight  # noqa: E402
-from garmentimage.draft.kinds import KINDS  # noqa: E402
-from garmentimage.draft.sample import drafted  # noqa: E402
-from garmentimage.drape import wear  # noqa: E402
-from garmentimage.drape.fabric import load_fabric  # noqa: E402
-from garmentimage.drape.stand import standing  # noqa: E402
-from garmentimage.drape.worn import Worn  # noqa: E402
-from garmentimage.examples import example_names, example_path  # noqa: E402
-from garmentimage.metrics.workers import Lost, map_in_processes  # noqa: E402
-from garmentimage.pattern.model import Pattern  # noqa: E402
-from garmentimage.pattern.spec import load_pattern, save_pattern  # noqa: E402
-from garmentimage.render.surface import surfaces_of  # noqa: E402
-from garmentimage.render.worn import body_camera, picture  # noqa: E402
+from garmentimage.body.body import Body, load_body
+from garmentimage.body.body_measurements import measurements
+from garmentimage.body.stance import stand_straight
+from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.sampling import drafted
+from garmentimage.drape import draping as wear
+from garmentimage.drape.fabric import load_fabric
+from garmentimage.drape.start.placement import standing
+from garmentimage.drape.worn import Worn
+from garmentimage.examples import example_names, example_path
+from garmentimage.pattern.files.spec import load_pattern, save_pattern
+from garmentimage.pattern.model import Pattern
+from garmentimage.render.worn.photographing import body_camera, picture
+from garmentimage.render.worn.surface import surfaces_of
+from garmentimage.system.processes import Lost, map_in_processes
 
 BODY, FABRIC = "mean-female", "cotton"
 STAGES = {
@@ -129,7 +129,7 @@ def stages(pattern: Pattern, vertices: int) -> dict[str, float]:
     taken = dict.fromkeys(STAGES, 0.0)
     with clocks(taken):
         start = process_time()
-        worn = wear.drape(pattern, BODY, fabric=FABRIC, vertices=vertices)
+        worn = wear.drape_pattern(pattern, BODY, fabric=FABRIC, vertices=vertices)
         taken["drape"] = process_time() - start
     start = process_time()
     surfaces, camera = surfaces_of(worn), body_camera(worn.body)
@@ -243,7 +243,7 @@ def newton_rows(vertices: int) -> dict[str, dict[str, float]]:
 
     pattern, fabric = load_pattern(example_path("dress")), load_fabric(FABRIC)
     start = process_time()
-    worn = wear.drape(pattern, BODY, fabric=FABRIC, vertices=vertices)
+    worn = wear.drape_pattern(pattern, BODY, fabric=FABRIC, vertices=vertices)
     seconds = process_time() - start
     report = worn.report
     print(
@@ -303,7 +303,7 @@ def scaling(garments: list[Pattern], vertices: int, count: int) -> dict[str, flo
 def draped_span(task: tuple[Pattern, int]) -> tuple[float, float, float]:
     """When a drape with its picture began and ended, and its CPU time [s]."""
     start, cpu = time.monotonic(), process_time()
-    worn = wear.drape(task[0], BODY, fabric=FABRIC, vertices=task[1])
+    worn = wear.drape_pattern(task[0], BODY, fabric=FABRIC, vertices=task[1])
     picture(surfaces_of(worn), body_camera(worn.body), size=LARGE)
     return start, time.monotonic(), process_time() - cpu
 

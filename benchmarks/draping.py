@@ -23,14 +23,14 @@ from provenance import provenance
 from tqdm import tqdm
 
 from garmentimage.draft.kinds import KINDS
-from garmentimage.draft.sample import sample
-from garmentimage.drape.wear import drape
+from garmentimage.draft.sampling import sample
+from garmentimage.drape.draping import drape_pattern
 from garmentimage.errors import GarmentImageError
-from garmentimage.metrics.workers import Lost, map_in_processes
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.spec import read_pattern
-from garmentimage.render.surface import surfaces_of
-from garmentimage.render.worn import body_camera, picture
+from garmentimage.render.worn.photographing import body_camera, picture
+from garmentimage.render.worn.surface import surfaces_of
+from garmentimage.system.processes import Lost, map_in_processes
 
 BODY = "mean-female"
 PICTURE = 256
@@ -63,7 +63,7 @@ def run(task: Task) -> dict[str, Any]:
     try:
         pattern = pattern_of(task)
         start = time.process_time()
-        worn = drape(pattern, task.body, vertices=task.vertices)
+        worn = drape_pattern(pattern, task.body, vertices=task.vertices)
         row["drape_s"] = time.process_time() - start
         surfaces = surfaces_of(worn)
         start = time.process_time()

@@ -23,14 +23,14 @@ from typing import Any
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported
 
-import numpy as np  # noqa: E402
-from provenance import provenance  # noqa: E402
+import numpy as np
+from provenance import provenance
 
-from garmentimage.dataset.sheet import dataset_hash  # noqa: E402
-from garmentimage.explore.space import LatentSpace  # noqa: E402
-from garmentimage.raster.decode import decode  # noqa: E402
-from garmentimage.raster.encode import encode  # noqa: E402
-from garmentimage.raster.repair import repair  # noqa: E402
+from garmentimage.dataset.overview import dataset_hash
+from garmentimage.latent.space import LatentSpace
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.encode.encoder import encode
+from garmentimage.raster.repair.repairer import repair
 
 BATCH = 64
 TRAININGS = {
@@ -89,10 +89,10 @@ def made(data: Path, kind: str, grid: int) -> tuple[Any, Any]:
     """A network that has learnt nothing yet, and what it learns from."""
     import torch
 
-    from garmentimage.learn.garment_vae import GarmentVAE, default_config
-    from garmentimage.learn.rasters import from_channels
-    from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
-    from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
+    from garmentimage.learn.data.pattern_vectors import read_patterns, vectors, vocabulary
+    from garmentimage.learn.data.rasters import from_channels
+    from garmentimage.learn.models.garment_vae import GarmentVAE, default_config
+    from garmentimage.learn.models.vector_vae import VectorVAE, VectorVAEConfig
 
     patterns = read_patterns(data, "validation")[:256]
     torch.manual_seed(0)
@@ -109,7 +109,7 @@ def made(data: Path, kind: str, grid: int) -> tuple[Any, Any]:
 
 def used(data: Path, name: str, count: int) -> dict[str, float]:
     """Milliseconds of what exploring does."""
-    from garmentimage.learn.vectors import read_patterns
+    from garmentimage.learn.data.pattern_vectors import read_patterns
 
     space = LatentSpace.load(name)
     patterns = read_patterns(data, "validation")[:count]

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 from provenance import provenance
 
-from garmentimage.draft.kinds import KINDS, draft
-from garmentimage.drape.wear import drape
+from garmentimage.draft.kinds import KINDS, draft_pattern
+from garmentimage.drape.draping import drape_pattern
 from garmentimage.drape.worn import Worn
 from garmentimage.examples import example_names, example_path
-from garmentimage.pattern.spec import load_pattern
-from garmentimage.render.surface import surfaces_of
-from garmentimage.render.worn import body_camera, picture
+from garmentimage.pattern.files.spec import load_pattern
+from garmentimage.render.worn.photographing import body_camera, picture
+from garmentimage.render.worn.surface import surfaces_of
 
 VIEWS = ("front", "side")
 SIZE = 512
@@ -39,11 +39,13 @@ def main() -> int:
     parser.add_argument("-o", "--out", type=Path)
     args = parser.parse_args()
     garments = {name: load_pattern(example_path(name)) for name in example_names()}
-    garments |= {kind: draft(kind) for kind in KINDS}
+    garments |= {kind: draft_pattern(kind) for kind in KINDS}
     rows = {}
     print(f"{'':24}" + "".join(f"{view + ': area':>14}{'apart':>9}" for view in VIEWS))
     for name, pattern in garments.items():
-        pair = [drape(pattern, vertices=count) for count in (args.vertices, 4 * args.vertices)]
+        pair = [
+            drape_pattern(pattern, vertices=count) for count in (args.vertices, 4 * args.vertices)
+        ]
         row = {}
         for view in VIEWS:
             coarse, fine = (silhouette(worn, view) for worn in pair)

@@ -23,12 +23,12 @@ from garmentimage.body.body import Body, load_body
 from garmentimage.body.stance import stand_straight
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.fabric import Fabric
-from garmentimage.drape.field import body_field
-from garmentimage.drape.mesh import mesh
-from garmentimage.drape.rest import rest_of, strain
-from garmentimage.drape.solver import Settings
-from garmentimage.drape.stand import standing
-from garmentimage.drape.start import start_points
+from garmentimage.drape.mesh.meshing import mesh
+from garmentimage.drape.mesh.rest import rest_of, strain
+from garmentimage.drape.solver.distance_field import body_field
+from garmentimage.drape.solver.solver import Settings
+from garmentimage.drape.start.placement import standing
+from garmentimage.drape.start.starting import start_points
 from garmentimage.pattern.model import Pattern
 
 CM = 0.01

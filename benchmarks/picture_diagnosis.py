@@ -26,13 +26,13 @@ from PIL import ImageColor
 from provenance import provenance
 
 import garmentimage as gi
+from garmentimage.dataset.overview import dataset_hash, summary_of
 from garmentimage.dataset.read import patterns_of, tables
-from garmentimage.dataset.recipe import recipe
-from garmentimage.dataset.sheet import dataset_hash, summary_of
-from garmentimage.explore.space import step_of
-from garmentimage.learn.pictured import read_album
+from garmentimage.dataset.recipe import load_recipe
+from garmentimage.learn.data.images import read_album
 from garmentimage.metrics.intervals import interval
-from garmentimage.metrics.likeness import likeness
+from garmentimage.metrics.similarity import likeness
+from garmentimage.networks.decoded import step_of
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
 
 WEIGHTS = 1.0, 3.0**0.5, 3.0, 5.0
@@ -119,7 +119,7 @@ def by_parameter(data: Path, records: Path) -> dict[str, Any]:
 
 def by_colour(data: Path, network: Path) -> dict[str, Any]:
     """How many dresses come back as how many panels, painted and as they are."""
-    bottom = np.array(ImageColor.getrgb(recipe(summary_of(data)["recipe"]).colours["bottom"]))
+    bottom = np.array(ImageColor.getrgb(load_recipe(summary_of(data)["recipe"]).colours["bottom"]))
     predictor = gi.PatternPredictor.load(network)
     album = read_album(data, "validation")
     dresses = [k for k, name in enumerate(album.types) if name == DRESS][:DRESSES]

@@ -16,10 +16,10 @@ import numpy as np
 from provenance import provenance
 
 import garmentimage as gi
-from garmentimage.predict.network import PatternPredictor, predictor_names
-from garmentimage.render.camera import VIEWS
-from garmentimage.render.surface import surfaces_of
-from garmentimage.render.worn import body_camera, picture
+from garmentimage.predict.predictor import PatternPredictor, predictor_names
+from garmentimage.render.worn.camera import VIEWS
+from garmentimage.render.worn.photographing import body_camera, picture
+from garmentimage.render.worn.surface import surfaces_of
 
 TURNS = (0, 30, 45, 90, 180)
 """From the front, to the wearer's left [degrees]."""

@@ -19,15 +19,15 @@ from typing import Any
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported
 
-import numpy as np  # noqa: E402
-from PIL import Image  # noqa: E402
-from provenance import provenance  # noqa: E402
+import numpy as np
+from PIL import Image
+from provenance import provenance
 
-from garmentimage.dataset.sheet import dataset_hash  # noqa: E402
-from garmentimage.explore.space import step_of  # noqa: E402
-from garmentimage.learn.pictured import read_album  # noqa: E402
-from garmentimage.predict.network import DEFAULT, PatternPredictor  # noqa: E402
-from garmentimage.predict.photo import framed, read_photo  # noqa: E402
+from garmentimage.dataset.overview import dataset_hash
+from garmentimage.learn.data.images import read_album
+from garmentimage.networks.decoded import step_of
+from garmentimage.predict.photo import framed, read_photo
+from garmentimage.predict.predictor import DEFAULT, PatternPredictor
 
 
 def main() -> int:

@@ -4,7 +4,7 @@ import hashlib
 from datetime import UTC, datetime
 from pathlib import Path
 
-from garmentimage.provenance import source_commit
+from garmentimage.system.provenance import source_commit
 
 
 def provenance(paths: list[Path]) -> dict[str, str]:

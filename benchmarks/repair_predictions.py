@@ -18,12 +18,12 @@ import numpy as np
 from provenance import provenance
 
 import garmentimage as gi
+from garmentimage.dataset.overview import dataset_hash
 from garmentimage.dataset.read import patterns_of
-from garmentimage.dataset.sheet import dataset_hash
-from garmentimage.explore.space import step_of
-from garmentimage.learn.pictured import read_album
+from garmentimage.learn.data.images import read_album
 from garmentimage.metrics.intervals import interval
-from garmentimage.metrics.likeness import likeness
+from garmentimage.metrics.similarity import likeness
+from garmentimage.networks.decoded import step_of
 
 FIGURES = "panel_iou", "topology", "panels", "valid"
 

@@ -26,10 +26,10 @@ from true_rasters import DRAFTS, true_rasters
 
 import garmentimage as gi
 from garmentimage.errors import DecodeError
-from garmentimage.metrics.likeness import likeness
+from garmentimage.metrics.similarity import likeness
 from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
-from garmentimage.raster.repair import LEVELS, RepairLevel, repair
+from garmentimage.raster.repair.repairer import LEVELS, RepairLevel, repair
 
 SHARES = 0.9, 0.99, 0.999
 NOISE_NATS, SQUARED_NOISE = 1.0, 0.1

@@ -28,11 +28,11 @@ CORES = os.sched_getaffinity(0) if hasattr(os, "sched_setaffinity") else set()
 if CORES:
     os.sched_setaffinity(0, {min(CORES)})
 
-import numpy as np  # noqa: E402
+import numpy as np
 
-import garmentimage as gi  # noqa: E402
-from garmentimage.examples import example_names, example_path  # noqa: E402
-from garmentimage.pattern.spec import read_pattern  # noqa: E402
+import garmentimage as gi
+from garmentimage.examples import example_names, example_path
+from garmentimage.pattern.files.spec import read_pattern
 
 FRESH_REPEATS = 5
 NAME_WIDTH = 48

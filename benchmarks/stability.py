@@ -24,8 +24,8 @@ from tqdm import tqdm
 
 from garmentimage import GarmentImage, GarmentImageError, Pattern, encode
 from garmentimage.compare.matching import panel_iou
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Loop, Panel
-from garmentimage.pattern.spec import read_pattern
 from garmentimage.raster.cells import label_panels
 
 MOVES_CM = (0.01, 0.3)

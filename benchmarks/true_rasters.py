@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 import garmentimage as gi
 from garmentimage.draft.kinds import KINDS
-from garmentimage.draft.sample import ANY_BODY, sample
+from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.errors import GarmentImageError
 
 DRAFTS = "drafts"

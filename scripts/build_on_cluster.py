@@ -15,7 +15,7 @@ import argparse
 import sys
 from typing import Any
 
-from garmentimage.cli import main as garmentimage
+from garmentimage.cli.app import main as garmentimage
 
 
 def slurm(options: argparse.Namespace) -> Any:

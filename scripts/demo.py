@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 import garmentimage as gi
-from garmentimage.cli import main as run
+from garmentimage.cli.app import main as run
+from garmentimage.compare import judge
 from garmentimage.examples import example_names, example_path, example_picture
-from garmentimage.metrics import judge
-from garmentimage.render.flat import seam_numbers
-from garmentimage.render.show import show
+from garmentimage.render.flat.drawing import seam_numbers
+from garmentimage.render.showing import show
 
 GRID = 16
 WORN = ("dress", "trousers")

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from garmentimage.geometry.curves import Bezier, Curve, Line, Point
+from garmentimage.pattern.files.spec import save_pattern
 from garmentimage.pattern.model import (
     Loop,
     Notch,
@@ -27,7 +28,6 @@ from garmentimage.pattern.model import (
     Vector,
     loop_from_curves,
 )
-from garmentimage.pattern.spec import save_pattern
 
 FOLDER = Path(__file__).parents[1] / "src" / "garmentimage" / "examples"
 

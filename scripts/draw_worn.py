@@ -13,11 +13,11 @@ from jaxtyping import UInt8
 
 import garmentimage as gi
 from garmentimage.body.stance import wearer
-from garmentimage.drape.outfit import outfit
-from garmentimage.render.background import gradient
+from garmentimage.drape.outfits import outfit
 from garmentimage.render.png import contact_sheet
-from garmentimage.render.prints import Print, checks, dots, stripes
-from garmentimage.render.tint import Tint
+from garmentimage.render.worn.background import gradient
+from garmentimage.render.worn.prints import Print, checks, dots, stripes
+from garmentimage.render.worn.tint import Tint
 
 OUT = Path(__file__).parents[1] / "docs" / "worn.png"
 SIZE = 400

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from garmentimage.body.body import POSES, TOPOLOGY_FILE, Body, load_body, read_points, write_points
+from garmentimage.body.body_measurements import SHIPPED_FILE, measurements
 from garmentimage.body.measure import measure
-from garmentimage.body.measurements import SHIPPED_FILE, measurements
 
 DATA = Path(__file__).parents[1] / "src" / "garmentimage" / "body" / "data"
 

@@ -26,24 +26,24 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture(scope="session")
 def pictured(tmp_path_factory):
     """A small dataset of `d2`: pictures and patterns, some of a type not seen in training."""
-    from garmentimage.dataset.build import Build, build
-    from garmentimage.dataset.recipe import recipe
+    from garmentimage.dataset.building import Build, build
+    from garmentimage.dataset.recipe import load_recipe
 
     folder = tmp_path_factory.mktemp("d2")
-    build(Build(recipe("d2"), folder, 20, unseen=4), workers=1)
+    build(Build(load_recipe("d2"), folder, 20, unseen=4), workers=1)
     return folder
 
 
 @pytest.fixture(scope="session")
 def trained(tmp_path_factory):
     """A dataset of `text-edit`, and its three networks, trained for a moment."""
-    from garmentimage.cli import main
-    from garmentimage.dataset.build import Build, build
-    from garmentimage.dataset.recipe import recipe
+    from garmentimage.cli.app import main
+    from garmentimage.dataset.building import Build, build
+    from garmentimage.dataset.recipe import load_recipe
 
     folder = tmp_path_factory.mktemp("text-edit")
     data = folder / "data"
-    build(Build(recipe("text-edit"), data, 20), workers=1)
+    build(Build(load_recipe("text-edit"), data, 20), workers=1)
     for name, words in {
         "vae": [],
         "pictures": ["--vae", folder / "vae" / "model"],

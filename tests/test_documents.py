@@ -16,19 +16,19 @@ import shapely
 from nbclient import NotebookClient
 from PIL import Image
 
-from garmentimage.body.measurements import NAMES, BodyMeasurements
-from garmentimage.cli import main
+from garmentimage.body.body_measurements import NAMES, BodyMeasurements
+from garmentimage.cli.app import main
 from garmentimage.drape.fabric import FABRICS
-from garmentimage.drape.judge import DEEPEST, MOST_SLID, MOST_STRAIN
+from garmentimage.drape.verdict.judging import DEEPEST, MOST_SLID, MOST_STRAIN
 from garmentimage.drape.worn import DrapeReport
 from garmentimage.examples import example_path, example_picture
 from garmentimage.geometry.polygons import centroid
-from garmentimage.pattern.spec import load_pattern, pattern_from_spec, pattern_to_spec
-from garmentimage.raster.decode import decode
-from garmentimage.raster.encode import encode
+from garmentimage.pattern.files.spec import load_pattern, pattern_from_spec, pattern_to_spec
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import PanelMark
-from garmentimage.raster.marks import mark_from_json
+from garmentimage.raster.panel_marks import mark_from_json
 from tests.compare.garments import darted_skirt
 
 ROOT = Path(__file__).parents[1]

@@ -15,15 +15,15 @@ import numpy as np
 import pytest
 
 from garmentimage import decode, load_image
-from garmentimage.cli import main
-from garmentimage.compare.judge import judge
-from garmentimage.drape.field import body_field
+from garmentimage.cli.app import main
+from garmentimage.compare.judging import judge
+from garmentimage.drape.files.glb import load_worn
 from garmentimage.drape.girths import girth
-from garmentimage.drape.glb import load_worn
-from garmentimage.drape.openings import openings
-from garmentimage.drape.rest import rest_of
-from garmentimage.metrics.likeness import likeness
-from garmentimage.pattern.spec import read_pattern
+from garmentimage.drape.mesh.rest import rest_of
+from garmentimage.drape.solver.distance_field import body_field
+from garmentimage.drape.verdict.openings import openings
+from garmentimage.metrics.similarity import likeness
+from garmentimage.pattern.files.spec import read_pattern
 from tests.corpus import corpus_folder, unpacked
 
 pytestmark = pytest.mark.corpus

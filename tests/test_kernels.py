@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from garmentimage import decode, encode
-from garmentimage.draft.kinds import draft
-from garmentimage.drape.mesh import mesh
-from garmentimage.drape.solver import Settings
-from garmentimage.drape.wear import drape
+from garmentimage.draft.kinds import draft_pattern
+from garmentimage.drape.draping import drape_pattern
+from garmentimage.drape.mesh.meshing import mesh
+from garmentimage.drape.solver.solver import Settings
 from garmentimage.errors import GarmentImageError
 from garmentimage.geometry.curves import Line
-from garmentimage.pattern.check import check_pattern
+from garmentimage.pattern.checks.sewable import check_pattern
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
 from garmentimage.raster.frame import BodyFrame
 from tests.strangers import doubled, moved, recut, traced
@@ -24,7 +24,7 @@ from tests.strangers import doubled, moved, recut, traced
 CASES = 4
 """Patterns of each kind."""
 FEW_FRAMES = Settings(frames=3, gather_frames=1, least_frames=1)
-GARMENTS = {kind: draft(kind) for kind in ("tee", "skirt", "pants")}
+GARMENTS = {kind: draft_pattern(kind) for kind in ("tee", "skirt", "pants")}
 
 
 def some(rng) -> Pattern:
@@ -168,7 +168,7 @@ def test_a_degenerate_pattern_is_taken_or_refused_with_a_sentence(kind, number):
         decode(image)
         decode(image.without_marks())
     refused(lambda: mesh(pattern, vertices=300))
-    refused(lambda: drape(pattern, vertices=300, settings=FEW_FRAMES))
+    refused(lambda: drape_pattern(pattern, vertices=300, settings=FEW_FRAMES))
 
 
 @pytest.mark.parametrize("number", range(CASES))

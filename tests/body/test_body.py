@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import POSES, STEP, load_body, read_points, write_points
-from garmentimage.body.measurements import presets
+from garmentimage.body.body_measurements import presets
 from garmentimage.errors import DraftError
 
 SIZE_LIMIT = 2_500_000

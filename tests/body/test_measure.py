@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import Body, load_body
+from garmentimage.body.body_measurements import NAMES, BodyMeasurements, presets
 from garmentimage.body.measure import (
     ACROSS,
     UP,
@@ -18,7 +19,6 @@ from garmentimage.body.measure import (
     taut_length,
     trunk_outline,
 )
-from garmentimage.body.measurements import NAMES, BodyMeasurements, presets
 
 POSE_TOL = 0.01
 """Largest share by which a measurement may differ between poses."""

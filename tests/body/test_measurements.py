@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from garmentimage.body.measurements import (
+from garmentimage.body.body_measurements import (
     NAMES,
     RANGES,
     BodyMeasurements,

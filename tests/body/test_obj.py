@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import load_body
-from garmentimage.body.measurements import presets
+from garmentimage.body.body_measurements import presets
 from garmentimage.body.mend import capped, parts, welded
-from garmentimage.body.obj import load_body_file
-from garmentimage.drape.field import body_field, distance_field
+from garmentimage.body.mesh_file import load_body_file
+from garmentimage.drape.solver.distance_field import body_field, distance_field
 from garmentimage.errors import DraftError
 from tests.corpus import unpacked
 

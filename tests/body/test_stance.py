@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import Body, load_body
-from garmentimage.body.measurements import presets
+from garmentimage.body.body_measurements import presets
 from garmentimage.body.stance import WORN_LEG_ANGLE, stand_straight
-from garmentimage.drape.field import distance_field
+from garmentimage.drape.solver.distance_field import distance_field
 
 
 @pytest.fixture(params=presets())

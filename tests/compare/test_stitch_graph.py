@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from garmentimage.compare.judge import judge
-from garmentimage.compare.stitch_graph import (
+from garmentimage.compare.judging import judge
+from garmentimage.compare.stitch_graphs import (
     match_graphs,
     same_stitch_graph,
     seam_agreement,

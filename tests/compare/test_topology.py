@@ -1,8 +1,8 @@
 """The word of a topology: the same for garments sewn alike, another for others."""
 
+from garmentimage.compare import stitch_graph
 from garmentimage.compare.topology import topology_word
-from garmentimage.draft.sample import sample
-from garmentimage.metrics import stitch_graph
+from garmentimage.draft.sampling import sample
 
 
 def words(kind: str, **fixed) -> set[str]:

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from garmentimage.compare.validity import SEAM_RATIO_LIMIT, validity
+from garmentimage.compare.validation import SEAM_RATIO_LIMIT, validity
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
 from tests.compare.garments import (
     GARMENTS,

@@ -19,15 +19,15 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from garmentimage.cli import main
-from garmentimage.dataset.build import DATA, Build, build, make_shard, plan
+from garmentimage.cli.app import main
+from garmentimage.dataset.building import DATA, Build, build, make_shard, plan
 from garmentimage.dataset.engine import results
-from garmentimage.dataset.recipe import parse_recipe, recipe
+from garmentimage.dataset.overview import row_sheet, summary_of
+from garmentimage.dataset.recipe import load_recipe, parse_recipe
 from garmentimage.dataset.row import Failed
 from garmentimage.dataset.shard import shard_bytes, shard_facts
-from garmentimage.dataset.sheet import row_sheet, summary_of
 from garmentimage.errors import DatasetError, OutputError
-from garmentimage.files import write_atomically
+from garmentimage.system.files import write_atomically
 from tests.dataset.test_recipe import GOOD
 
 SMALL = parse_recipe(GOOD.replace('views = ["front"]', "views = []"))
@@ -46,7 +46,7 @@ def digests(folder: Path) -> dict[str, str]:
 
 
 def test_a_plan_holds_every_row_once_in_its_split():
-    shards = plan(Build(recipe("d2"), Path("x"), 1000))
+    shards = plan(Build(load_recipe("d2"), Path("x"), 1000))
     tasks = [task for shard in shards for task in shard.tasks]
     assert len({task.row_id for task in tasks}) == len(tasks) == 4000
     assert all(shard.name.startswith(f"{t.split}-") for shard in shards for t in shard.tasks)
@@ -55,14 +55,14 @@ def test_a_plan_holds_every_row_once_in_its_split():
 
 
 def test_types_for_test_only_may_have_fewer_rows():
-    many, few = (Build(recipe("d2"), Path("x"), 1000, unseen=n) for n in (None, 40))
+    many, few = (Build(load_recipe("d2"), Path("x"), 1000, unseen=n) for n in (None, 40))
     shards = plan(few)
     rows = Counter(task.split for shard in shards for task in shard.tasks)
     assert rows == {"train": 2700, "validation": 150, "test": 150, "unseen": 40}
     seen = [shard.identity() for shard in shards if not shard.name.startswith("unseen")]
     assert seen == [s.identity() for s in plan(many) if not s.name.startswith("unseen")]
     with pytest.raises(DatasetError, match="0 rows a type"):
-        plan(Build(recipe("d2"), Path("x"), 1000, unseen=0))
+        plan(Build(load_recipe("d2"), Path("x"), 1000, unseen=0))
 
 
 def test_a_folder_with_fewer_unseen_rows_is_another_dataset(tmp_path):
@@ -126,7 +126,7 @@ def test_a_full_disk_keeps_what_was_finished(tmp_path, monkeypatch):
     (tmp_path / "set").mkdir()
     what = small(tmp_path / "set", 40)
     (tmp_path / "set" / "build.json").write_text(json.dumps(what.identity()))
-    monkeypatch.setattr("garmentimage.dataset.build.write_atomically", full)
+    monkeypatch.setattr("garmentimage.dataset.building.write_atomically", full)
     with pytest.raises(OutputError, match="No space left"):
         build(what, workers=1)
     monkeypatch.undo()
@@ -338,7 +338,7 @@ def test_a_build_without_any_row_ends_with_the_cause(tmp_path, monkeypatch):
             failed = [fails(task) for task in piece.tasks]
             yield piece, shard_bytes(SMALL, 16, [], failed, piece.identity())
 
-    monkeypatch.setattr("garmentimage.dataset.build.results", all_failed)
+    monkeypatch.setattr("garmentimage.dataset.building.results", all_failed)
     with pytest.raises(DatasetError, match="no row could be made; 6 failed because of encode: the"):
         build(small(tmp_path / "set", count=3))
     assert not (tmp_path / "set" / "summary.json").exists()

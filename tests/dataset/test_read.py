@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from garmentimage.dataset.build import DATA, Build, make_shard, plan
+from garmentimage.dataset.building import DATA, Build, make_shard, plan
 from garmentimage.dataset.read import rasters, rows_at, shard_files, tables
 from garmentimage.errors import DatasetError
 from tests.dataset.test_build import SMALL

@@ -4,8 +4,8 @@ from collections import Counter
 
 import pytest
 
-from garmentimage.dataset.recipe import SHARES, SPLITS, parse_recipe, recipe, recipe_names
-from garmentimage.draft.sample import sample
+from garmentimage.dataset.recipe import SHARES, SPLITS, load_recipe, parse_recipe, recipe_names
+from garmentimage.draft.sampling import sample
 from garmentimage.errors import DatasetError
 
 OURS = {"leave-one-out", "wild"}
@@ -38,7 +38,7 @@ def test_the_recipes_of_the_paper_and_ours_are_there():
 
 @pytest.mark.parametrize("name", sorted(PAPER | OURS))
 def test_every_recipe_drafts_its_types_and_calls_itself_by_its_file(name):
-    found = recipe(name)
+    found = load_recipe(name)
     assert found.name == name and found.version >= 1 and found.doc.endswith(".")
     assert {"paper", "laptop"} <= found.presets.keys()
     for each in found.types:
@@ -48,12 +48,12 @@ def test_every_recipe_drafts_its_types_and_calls_itself_by_its_file(name):
 
 def test_types_of_a_recipe_differ():
     for name in recipe_names():
-        kinds = [(each.kind, tuple(each.fixed.items())) for each in recipe(name).types]
+        kinds = [(each.kind, tuple(each.fixed.items())) for each in load_recipe(name).types]
         assert len(set(kinds)) == len(kinds)
 
 
 def test_what_is_kept_out_of_the_papers_sets_is_unseen():
-    unseen = {n: [t.name for t in recipe(n).types if not t.seen] for n in recipe_names()}
+    unseen = {n: [t.name for t in load_recipe(n).types if not t.seen] for n in recipe_names()}
     assert unseen["d1"] == unseen["vae-topology"] == ["top + skirt"]
     assert unseen["d2"] == ["top with sleeves + pants"]
 
@@ -67,10 +67,10 @@ def test_rows_keep_their_split_in_a_larger_dataset_and_all_splits_have_their_sha
 
 
 def test_bodies_for_test_are_never_trained_on():
-    wild = recipe("wild")
+    wild = load_recipe("wild")
     assert not set(wild.wearers("train")) & set(wild.wearers("test"))
     assert wild.wearers("test") == wild.wearers("unseen")
-    assert recipe("d2").wearers("test") == recipe("d2").wearers("train")
+    assert load_recipe("d2").wearers("test") == load_recipe("d2").wearers("train")
 
 
 @pytest.mark.parametrize(
@@ -106,4 +106,4 @@ def test_a_recipe_that_will_not_do_is_refused_in_a_sentence(old, new, sentence):
 
 def test_an_unknown_recipe_is_told_with_what_was_meant():
     with pytest.raises(DatasetError, match="no recipe 'd3'; choose d1, d2"):
-        recipe("d3")
+        load_recipe("d3")

@@ -9,18 +9,18 @@ import pytest
 from PIL import Image
 
 from garmentimage.dataset.caption import captions
-from garmentimage.dataset.recipe import recipe, recipe_names
+from garmentimage.dataset.recipe import load_recipe, recipe_names
 from garmentimage.dataset.row import Failed, Task, make_row
-from garmentimage.draft.kinds import KINDS, draft
-from garmentimage.draft.sample import sample
-from garmentimage.pattern.spec import pattern_from_spec
-from garmentimage.raster.encode import encode
+from garmentimage.draft.kinds import KINDS, draft_pattern
+from garmentimage.draft.sampling import sample
+from garmentimage.pattern.files.spec import pattern_from_spec
+from garmentimage.raster.encode.encoder import encode
 
 GRID = 16
 
 
 def task(name="d2", type_number=0, index=0, seed=0):
-    return Task(recipe(name), seed, GRID, type_number, index)
+    return Task(load_recipe(name), seed, GRID, type_number, index)
 
 
 def good_row(name="d2", type_number=0, seed=0):
@@ -60,11 +60,11 @@ def test_the_pattern_of_a_row_encodes_to_its_raster():
 
 def test_the_parameters_of_a_row_draft_its_pattern():
     row = good_row()
-    again = draft(row["kind"], row["body"], **json.loads(row["parameters"]))
+    again = draft_pattern(row["kind"], row["body"], **json.loads(row["parameters"]))
     told = pattern_from_spec(json.loads(row["pattern"]))
     for one, other in zip(again.panels, told.panels, strict=True):
         np.testing.assert_allclose(one.outline.vertices, other.outline.vertices, atol=1e-6)
-    assert recipe("d2").types[0].fixed.items() <= json.loads(row["parameters"]).items()
+    assert load_recipe("d2").types[0].fixed.items() <= json.loads(row["parameters"]).items()
 
 
 def test_pictures_have_the_colours_and_the_size_of_the_recipe():

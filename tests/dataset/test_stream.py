@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from garmentimage.dataset.build import DATA, Build, make_shard, plan
+from garmentimage.dataset.building import DATA, Build, make_shard, plan
 from garmentimage.dataset.stream import RowStream
 from garmentimage.errors import DatasetError
 from tests.dataset.test_build import SMALL, WITH_PICTURES

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage.dataset.wording import KINDS, LEVELS, every_phrase, phrases, worded
 from garmentimage.draft.kinds import KINDS as DRAFTED
-from garmentimage.draft.sample import sample
+from garmentimage.draft.sampling import sample
 
 
 def drawn(kind: str, seed: int):

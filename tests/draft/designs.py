@@ -2,7 +2,7 @@
 
 from hypothesis import strategies as st
 
-from garmentimage.body.measurements import presets
+from garmentimage.body.body_measurements import presets
 from garmentimage.draft.kinds import KINDS
 
 BODIES = tuple(presets())

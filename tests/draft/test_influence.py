@@ -1,8 +1,7 @@
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from garmentimage.draft.influence import (
+from garmentimage.draft.templates.influence import (
     Bend,
     Moving,
     Run,

@@ -10,17 +10,17 @@ import pytest
 import shapely
 from hypothesis import assume, given, settings
 
-from garmentimage.body.measurements import measurements, presets
-from garmentimage.compare.judge import judge
-from garmentimage.compare.validity import validity
-from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, PARTS, draft
+from garmentimage.body.body_measurements import measurements, presets
+from garmentimage.compare.judging import judge
+from garmentimage.compare.validation import validity
+from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, PARTS, draft_pattern
 from garmentimage.draft.panel import FACINGS
 from garmentimage.draft.parameters import parameters_of
 from garmentimage.errors import DraftError
-from garmentimage.pattern.check import check_pattern
-from garmentimage.pattern.spec import load_pattern, pattern_to_spec, save_pattern
-from garmentimage.raster.decode import decode
-from garmentimage.raster.encode import encode
+from garmentimage.pattern.checks.sewable import check_pattern
+from garmentimage.pattern.files.spec import load_pattern, pattern_to_spec, save_pattern
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.encode.encoder import encode
 from tests.draft.designs import BODIES, EVEN, FLAT, designs, values_at
 
 SEAM_TOL = 0.02
@@ -48,7 +48,7 @@ GOLDEN = {
 def drafted(design):
     kind, body, values = design
     try:
-        return draft(kind, body, **values)
+        return draft_pattern(kind, body, **values)
     except DraftError:
         assume(False)
 
@@ -143,13 +143,13 @@ def test_legs_of_a_dart_are_equally_long(design):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_low_middle_and_high_designs_can_be_drafted(kind, share):
-    draft(kind, **values_at(KINDS[kind].parameters, share))
+    draft_pattern(kind, **values_at(KINDS[kind].parameters, share))
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("body", BODIES)
 def test_defaults_fit_every_shipped_body(kind, body):
-    assert draft(kind, body).panels
+    assert draft_pattern(kind, body).panels
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -162,7 +162,7 @@ def test_nearly_all_random_designs_can_be_worn(kind):
             for name, p in KINDS[kind].parameters.items()
         }
         try:
-            draft(kind, **values)
+            draft_pattern(kind, **values)
         except DraftError:
             refused += 1
     assert refused <= (1 - WEARABLE_SHARE) * DRAWS
@@ -172,7 +172,7 @@ def test_nearly_all_random_designs_can_be_worn(kind):
 def test_larger_measurements_give_larger_panels(kind):
     body = measurements(DEFAULT_BODY)
     larger = replace(body, **{f.name: 1.05 * getattr(body, f.name) for f in fields(body)})
-    small, large = draft(kind, body), draft(kind, larger)
+    small, large = draft_pattern(kind, body), draft_pattern(kind, larger)
     assert [p.name for p in small.panels] == [p.name for p in large.panels]
     for a, b in zip(small.panels, large.panels):
         assert b.outline.area > a.outline.area
@@ -183,9 +183,9 @@ def test_each_girth_widens_what_covers_it():
 
     def width(kind, panel, **changes):
         pattern = (
-            draft(kind, replace(body, **changes), hip_ease=6.0)
+            draft_pattern(kind, replace(body, **changes), hip_ease=6.0)
             if kind == "pants"
-            else (draft(kind, replace(body, **changes)))
+            else (draft_pattern(kind, replace(body, **changes)))
         )
         return np.ptp(pattern.by_name[panel].outline.polygon[:, 0])
 
@@ -196,7 +196,7 @@ def test_each_girth_widens_what_covers_it():
 
 def test_longer_parameters_give_longer_panels():
     def height(kind, panel, **values):
-        return np.ptp(draft(kind, **values).by_name[panel].outline.polygon[:, 1])
+        return np.ptp(draft_pattern(kind, **values).by_name[panel].outline.polygon[:, 1])
 
     assert height("skirt", "skirt_front", skirt_length=0.8) > height("skirt", "skirt_front")
     assert height("pants", "left_trouser_front", leg_length=0.3) < 0.6 * height(
@@ -215,7 +215,7 @@ def fingerprint(kind):
             return {k: rounded(v) for k, v in value.items()}
         return [rounded(v) for v in value] if isinstance(value, (list, tuple)) else value
 
-    text = json.dumps(rounded(pattern_to_spec(draft(kind))), sort_keys=True)
+    text = json.dumps(rounded(pattern_to_spec(draft_pattern(kind))), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -231,7 +231,7 @@ def test_drafting_twice_gives_the_same_pattern(design):
 
 
 def test_a_draft_survives_its_file(tmp_path):
-    pattern = draft("tank", cutout="front")
+    pattern = draft_pattern("tank", cutout="front")
     save_pattern(pattern, tmp_path / "tank.json")
     again = load_pattern(tmp_path / "tank.json")
     assert [p.name for p in again.panels] == [p.name for p in pattern.panels]
@@ -241,7 +241,7 @@ def test_a_draft_survives_its_file(tmp_path):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_defaults_come_back_from_the_raster(kind):
-    pattern = draft(kind)
+    pattern = draft_pattern(kind)
     result = judge(pattern, decode(encode(pattern, grid=16)))
     assert result.success, result.reasons
     assert min(result.iou.values()) > 0.97
@@ -273,12 +273,12 @@ def test_parameters_are_documented_and_defaults_are_allowed(kind):
 
 @pytest.mark.parametrize("gores", [2, 4, 6, 8])
 def test_a_skirt_has_as_many_gores_as_asked(gores):
-    pattern = draft("skirt", gores=gores, waistband="none")
+    pattern = draft_pattern("skirt", gores=gores, waistband="none")
     assert len(pattern.panels) == gores
 
 
 def test_a_waistband_gathers_a_full_skirt():
-    pattern = draft("skirt", skirt_fullness=1.8)
+    pattern = draft_pattern("skirt", skirt_fullness=1.8)
     top = sum(p.curves[k].length for p, k in sides_labelled(pattern, "waist"))
     band = sum(p.curves[k].length for p, k in sides_labelled(pattern, "band_lower"))
     assert top == pytest.approx(1.8 * band)
@@ -289,8 +289,8 @@ def sides_labelled(pattern, label):
 
 
 def test_sleeves_and_cuffs_are_panels_of_their_own():
-    bare = {p.name for p in draft("shirt", sleeves="none").panels}
-    cuffed = {p.name for p in draft("shirt", cuffs="band").panels}
+    bare = {p.name for p in draft_pattern("shirt", sleeves="none").panels}
+    cuffed = {p.name for p in draft_pattern("shirt", cuffs="band").panels}
     assert cuffed - bare == {
         f"{side}_{what}_{facing}"
         for side in ("left", "right")
@@ -304,13 +304,13 @@ def test_sleeves_and_cuffs_are_panels_of_their_own():
     [("none", 0), ("waist", 1), ("side", 1), ("waist-and-side", 2), ("two-waist", 2)],
 )
 def test_a_shirt_has_as_many_darts_as_asked(darts, count):
-    pattern = draft("shirt", front_darts=darts)
+    pattern = draft_pattern("shirt", front_darts=darts)
     assert sum(s.a.panel == s.b.panel for s in pattern.stitches) == 2 * count
 
 
 def test_a_side_dart_makes_the_front_longer_by_its_width():
     plain, darted = (
-        draft("shirt", front_darts=darts, side_dart_width=3.0).by_name["front"]
+        draft_pattern("shirt", front_darts=darts, side_dart_width=3.0).by_name["front"]
         for darts in ("none", "side")
     )
     low = [p.outline.polygon[:, 1].min() for p in (plain, darted)]
@@ -318,7 +318,7 @@ def test_a_side_dart_makes_the_front_longer_by_its_width():
 
 
 def test_two_panels_a_side_meet_in_a_centre_seam():
-    pattern = draft("shirt", panels_a_side=2, sleeves="none", front_darts="none")
+    pattern = draft_pattern("shirt", panels_a_side=2, sleeves="none", front_darts="none")
     assert {p.name for p in pattern.panels} == {
         "left_front",
         "right_front",
@@ -331,7 +331,7 @@ def test_two_panels_a_side_meet_in_a_centre_seam():
 
 
 def test_a_jacket_is_open_in_front():
-    pattern = draft("jacket")
+    pattern = draft_pattern("jacket")
     sewn = {side for s in pattern.stitches for side in s.sides}
     for name in ("left_front", "right_front"):
         panel = pattern.by_name[name]
@@ -340,7 +340,7 @@ def test_a_jacket_is_open_in_front():
 
 
 def test_the_back_of_trousers_reaches_farther_between_the_legs():
-    pattern = draft("pants")
+    pattern = draft_pattern("pants")
     reach = {f: -pattern.by_name[f"left_trouser_{f}"].outline.polygon[:, 0].min() for f in FACINGS}
     reach["back"] = pattern.by_name["left_trouser_back"].outline.polygon[:, 0].max()
     assert reach["back"] == pytest.approx(2 * reach["front"])
@@ -348,4 +348,4 @@ def test_the_back_of_trousers_reaches_farther_between_the_legs():
 
 def test_every_preset_can_be_named():
     for name in presets():
-        assert draft("tank", name) == draft("tank", measurements(name))
+        assert draft_pattern("tank", name) == draft_pattern("tank", measurements(name))

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from garmentimage.body.measurements import measurements
-from garmentimage.draft.kinds import DEFAULT_BODY, draft
+from garmentimage.body.body_measurements import measurements
+from garmentimage.draft.kinds import DEFAULT_BODY, draft_pattern
 from garmentimage.draft.parameters import checked_values, choice, parameter, parameters_of
 from garmentimage.errors import DraftError, GarmentImageError
 
@@ -116,7 +116,7 @@ REFUSED = {
 def test_what_cannot_be_drafted_gets_one_sentence(sentence):
     kind, asked = REFUSED[sentence]
     with pytest.raises(DraftError) as caught:
-        draft(kind, **asked)
+        draft_pattern(kind, **asked)
     message = str(caught.value)
     assert message.startswith(sentence)
     assert "\n" not in message

@@ -4,16 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from garmentimage import DraftError
-from garmentimage.body.measurements import measurements, presets
+from garmentimage.body.body_measurements import measurements, presets
 from garmentimage.draft.kinds import KINDS, Kind
 from garmentimage.draft.parameters import Parameter
-from garmentimage.draft.sample import at_level, drafted, drawn_value, sample
-from garmentimage.draft.template import Template
-from garmentimage.pattern.spec import load_pattern, save_pattern
+from garmentimage.draft.sampling import at_level, drafted, drawn_value, sample
+from garmentimage.draft.templates.template import Template
+from garmentimage.pattern.files.spec import load_pattern, save_pattern
 
 TEMPLATE = Path(__file__).parent / "templates" / "flared_skirt.json"
 LENGTH = Parameter("length", 50.0, "", low=40.0, high=60.0, unit="cm")

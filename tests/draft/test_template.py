@@ -5,14 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from garmentimage.draft.template import Template
-from garmentimage.draft.template_parameter import ParameterType
+from garmentimage.draft.templates.parameter import ParameterType
+from garmentimage.draft.templates.template import Template
 from garmentimage.errors import PatternError, PatternFileError, PatternWarning
+from garmentimage.pattern.files.spec import load_pattern, read_pattern, save_pattern
 from garmentimage.pattern.model import Quadratic
-from garmentimage.pattern.spec import load_pattern, read_pattern, save_pattern
 from tests.corpus import corpus_files, sample
 
 SKIRT = Path(__file__).parent / "templates" / "flared_skirt.json"

@@ -4,8 +4,8 @@ import numpy as np
 
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.fabric import Fabric
-from garmentimage.drape.field import DistanceField
-from garmentimage.drape.rest import Rest, rest_of
+from garmentimage.drape.mesh.rest import Rest, rest_of
+from garmentimage.drape.solver.distance_field import DistanceField
 from garmentimage.pattern.model import Pattern
 
 ROW = np.sqrt(3) / 2

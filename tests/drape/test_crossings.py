@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from garmentimage.drape.crossings import crossing_count
+from garmentimage.drape.verdict.intersections import crossing_count
 
 SIDES = ((0, 1), (1, 2), (2, 0))
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import load_body
-from garmentimage.draft.kinds import draft
-from garmentimage.drape.export import obj_text, ply_bytes, save_worn
-from garmentimage.drape.glb import UV_CM, glb_bytes, load_worn, mesh_names, read_glb
-from garmentimage.drape.mesh import mesh
-from garmentimage.drape.rest import most_strain, rest_of
-from garmentimage.drape.seams import corner_edges, corner_seams, vertex_normals
+from garmentimage.draft.kinds import draft_pattern
+from garmentimage.drape.files.export import obj_text, ply_bytes, save_worn
+from garmentimage.drape.files.glb import UV_CM, glb_bytes, load_worn, mesh_names, read_glb
+from garmentimage.drape.files.vertex_attributes import corner_edges, corner_seams, vertex_normals
+from garmentimage.drape.mesh.meshing import mesh
+from garmentimage.drape.mesh.rest import most_strain, rest_of
 from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import DrapeError, OutputError
 
@@ -37,7 +37,7 @@ REPORT = DrapeReport(
 @pytest.fixture(scope="module", params=["tee", "pants"])
 def worn(request):
     """A garment put round the body without simulation."""
-    pattern = draft(request.param)
+    pattern = draft_pattern(request.param)
     cloth = mesh(pattern, vertices=500)
     corners = np.concatenate(
         [p.to_world(cloth.flat[cloth.panel == k]) for k, p in enumerate(pattern.panels)]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import load_body
-from garmentimage.drape.field import (
+from garmentimage.drape.solver.distance_field import (
     BAND,
     CELL,
     CLOTH_BAND,

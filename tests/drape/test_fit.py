@@ -5,11 +5,11 @@ import pytest
 
 import garmentimage as gi
 from garmentimage.body.body import load_body
-from garmentimage.body.measurements import measurements, presets
+from garmentimage.body.body_measurements import measurements, presets
 from garmentimage.body.stance import stand_straight
-from garmentimage.draft.sample import sample
+from garmentimage.draft.sampling import sample
 from garmentimage.drape.fit import AUTO, ORDER, best_fit, girths, tapes
-from garmentimage.drape.mesh import mesh
+from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
 
 

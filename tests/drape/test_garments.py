@@ -12,20 +12,20 @@ import pytest
 from scipy.spatial import cKDTree
 
 from garmentimage.body.body import load_body
-from garmentimage.draft.kinds import draft
-from garmentimage.drape.field import body_field
-from garmentimage.drape.items import items
-from garmentimage.drape.mesh import mesh
-from garmentimage.drape.stand import standing
-from garmentimage.drape.start import start_points
-from garmentimage.drape.wear import check_worn, drape
+from garmentimage.draft.kinds import draft_pattern
+from garmentimage.drape.components import items
+from garmentimage.drape.draping import check_worn, drape_pattern
+from garmentimage.drape.mesh.meshing import mesh
+from garmentimage.drape.solver.distance_field import body_field
+from garmentimage.drape.start.placement import standing
+from garmentimage.drape.start.starting import start_points
 from garmentimage.errors import DrapeError
 from garmentimage.examples import example_names, example_path
+from garmentimage.pattern.files.spec import load_pattern
 from garmentimage.pattern.model import Pattern, Side, Stitch
-from garmentimage.pattern.spec import load_pattern
-from garmentimage.render.look import photograph
-from garmentimage.render.surface import surfaces_of
-from garmentimage.render.worn import body_camera, picture
+from garmentimage.render.worn.look import photograph
+from garmentimage.render.worn.photographing import body_camera, picture
+from garmentimage.render.worn.surface import surfaces_of
 from tests.drape.garments import moved
 from tests.raster.mirror import mirrored_pattern
 
@@ -39,12 +39,12 @@ NEAR = 2.5
 
 def garment(name: str) -> Pattern:
     """A bundled pattern or the plain garment of a kind."""
-    return load_pattern(example_path(name)) if name in example_names() else draft(name)
+    return load_pattern(example_path(name)) if name in example_names() else draft_pattern(name)
 
 
 @cache
 def worn(name: str, vertices: int = FEW):
-    return drape(garment(name), vertices=vertices)
+    return drape_pattern(garment(name), vertices=vertices)
 
 
 def silhouette(found, view="front"):
@@ -81,7 +81,7 @@ def together(*patterns: Pattern) -> Pattern:
 
 
 def digest(name: str) -> str:
-    found = drape(garment(name), vertices=FEW)
+    found = drape_pattern(garment(name), vertices=FEW)
     return hashlib.sha256(found.points.tobytes() + found.cloth.faces.tobytes()).hexdigest()
 
 
@@ -96,7 +96,7 @@ def test_the_same_garment_gives_the_same_bits_in_every_process():
 
 @pytest.mark.parametrize("name", ["skirt", "tank", "trousers"])
 def test_a_mirrored_pattern_drapes_to_the_mirror_image(name):
-    plain, flipped = worn(name, 2000), drape(mirrored_pattern(garment(name)), vertices=2000)
+    plain, flipped = worn(name, 2000), drape_pattern(mirrored_pattern(garment(name)), vertices=2000)
     seen, mirrored = silhouette(plain), silhouette(flipped)[:, ::-1]
     assert np.abs(seen - mirrored).sum() / seen.sum() < 0.01
     assert apart(flipped.points * [-1, 1, 1], plain.points).mean() < 0.5
@@ -109,7 +109,7 @@ def test_the_order_and_the_names_of_panels_do_not_matter(name):
     other = renamed(replace(pattern, panels=pattern.panels[::-1]), names)
     stitches = tuple(Stitch(s.b, s.a, s.same_direction) for s in other.stitches[::-1])
     other = replace(other, stitches=stitches)
-    found = drape(other, vertices=2000)
+    found = drape_pattern(other, vertices=2000)
     seen, again = silhouette(worn(name, 2000)), silhouette(found)
     assert np.abs(seen - again).sum() / seen.sum() < 0.005
     assert apart(found.points, worn(name, 2000).points).mean() < 0.1
@@ -132,25 +132,27 @@ def test_plain_garments_are_worn_without_fault(name):
 
 @pytest.mark.parametrize("kind", ["skirt", "pants"])
 def test_a_garment_drawn_for_a_far_slimmer_body_is_too_tight(kind):
-    found = drape(draft(kind, "slim-female"), "short-round-female", vertices=FEW)
+    found = drape_pattern(draft_pattern(kind, "slim-female"), "short-round-female", vertices=FEW)
     assert any("too tight" in fault for fault in found.report.faults), found.report.faults
     with pytest.raises(DrapeError, match="larger size"):
         check_worn(found)
 
 
 def test_the_smaller_a_garment_the_greater_its_strain():
-    pattern = draft("shirt")
+    pattern = draft_pattern("shirt")
     body = load_body()
     stature = np.ptp(body.vertices[:, 1])
     strains = [
-        drape(pattern, made_for=stature * share, vertices=FEW).report.strain
+        drape_pattern(pattern, made_for=stature * share, vertices=FEW).report.strain
         for share in (0.95, 1.0, 1.15, 1.3)
     ]
     assert strains == sorted(strains)
 
 
 def test_a_skirt_drawn_for_a_rounder_body_sits_on_the_hips_and_it_is_told():
-    found = drape(draft("skirt", "short-round-female"), "tall-slim-female", vertices=FEW)
+    found = drape_pattern(
+        draft_pattern("skirt", "short-round-female"), "tall-slim-female", vertices=FEW
+    )
     check_worn(found)
     (note,) = found.report.notes
     assert "sits on the hips" in note and "87 cm" in note and "66" in note
@@ -159,19 +161,21 @@ def test_a_skirt_drawn_for_a_rounder_body_sits_on_the_hips_and_it_is_told():
 
 @pytest.mark.parametrize("name", ["tee", "trousers"])
 def test_a_garment_beside_the_body_is_refused(name):
-    found = drape(moved(garment(name), (150.0, 0.0, 0.0)), vertices=FEW)
+    found = drape_pattern(moved(garment(name), (150.0, 0.0, 0.0)), vertices=FEW)
     with pytest.raises(DrapeError, match="the body is not in the garment"):
         check_worn(found)
 
 
 def test_panels_without_stitches_are_refused():
     with pytest.raises(DrapeError, match="no stitches"):
-        drape(replace(draft("tee"), stitches=()))
+        drape_pattern(replace(draft_pattern("tee"), stitches=()))
 
 
 @pytest.mark.parametrize("tucked", [False, True])
 def test_a_top_lies_outside_of_the_skirt_and_tucked_in_it_lies_inside(tucked):
-    found = drape(together(draft("tee"), draft("skirt")), vertices=2000, tucked=tucked)
+    found = drape_pattern(
+        together(draft_pattern("tee"), draft_pattern("skirt")), vertices=2000, tucked=tucked
+    )
     assert found.report.items == 2
     top, skirt = cloth_of(found, "0 "), cloth_of(found, "1 ")
     inner, outer = (top, skirt) if tucked else (skirt, top)
@@ -185,7 +189,11 @@ def test_a_top_lies_outside_of_the_skirt_and_tucked_in_it_lies_inside(tucked):
 @pytest.mark.parametrize("bottom", ["skirt", "pants"])
 @pytest.mark.parametrize("top", ["tee", "tank"])
 def test_a_loose_top_is_worn_tucked_in_without_fault(top, bottom):
-    check_worn(drape(together(draft(top), draft(bottom)), vertices=2000, tucked=True))
+    check_worn(
+        drape_pattern(
+            together(draft_pattern(top), draft_pattern(bottom)), vertices=2000, tucked=True
+        )
+    )
 
 
 def cloth_of(found, prefix: str) -> np.ndarray:
@@ -198,7 +206,7 @@ def cloth_of(found, prefix: str) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["tee", "tank", "hoodie", "one-panel-dress"])
 def test_what_lies_on_the_shoulders_hangs(kind):
     body = load_body()
-    placed, standings = standing(draft(kind), body)
+    placed, standings = standing(draft_pattern(kind), body)
     cloth = mesh(placed, vertices=FEW)
     (item,) = items(cloth, start_points(cloth, body), body, standings)
     assert not len(item.held)
@@ -209,6 +217,6 @@ def test_what_lies_on_the_shoulders_hangs(kind):
 )
 def test_an_argument_of_another_type_is_a_type_error_that_helps(wrong):
     with pytest.raises(TypeError, match="wanted a"):
-        drape(**{"pattern": garment("tee"), **wrong})
+        drape_pattern(**{"pattern": garment("tee"), **wrong})
     with pytest.raises(TypeError, match="drape_pattern"):
         photograph(garment("tee"))

@@ -8,25 +8,24 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import load_body
-from garmentimage.body.measurements import BodyMeasurements, presets
-from garmentimage.cli import main
-from garmentimage.draft.kinds import draft
-from garmentimage.drape.field import body_field, empty_field
+from garmentimage.body.body_measurements import BodyMeasurements, presets
+from garmentimage.cli.app import main
+from garmentimage.draft.kinds import draft_pattern
+from garmentimage.drape.components import items
+from garmentimage.drape.draping import check_worn, drape_pattern
 from garmentimage.drape.girths import waist_height
-from garmentimage.drape.items import items
-from garmentimage.drape.judge import MOST_SLID
-from garmentimage.drape.mesh import mesh
-from garmentimage.drape.solver import Attachment, Settings, solve
-from garmentimage.drape.stand import on_hips, standing
-from garmentimage.drape.start import start_points
-from garmentimage.drape.wear import check_worn, drape
+from garmentimage.drape.mesh.meshing import mesh
+from garmentimage.drape.solver.distance_field import body_field, empty_field
+from garmentimage.drape.solver.solver import Attachment, Settings, solve
+from garmentimage.drape.start.placement import on_hips, standing
+from garmentimage.drape.start.starting import start_points
+from garmentimage.drape.verdict.judging import MOST_SLID
 from garmentimage.errors import DrapeError
+from garmentimage.pattern.files.spec import read_pattern, save_pattern
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
-from garmentimage.pattern.spec import read_pattern, save_pattern
 from tests.corpus import unpacked
 from tests.drape.garments import circle_skirt, moved, strapless_dress, tube, unnamed
-from tests.drape.sheets import SOFT, sheet
-from tests.drape.sheets import standing as upright
+from tests.drape.sheets import SOFT, sheet, standing as upright
 
 FREE = empty_field()
 FEW = 600
@@ -37,7 +36,7 @@ STANDS_OFF = 1.5
 
 @cache
 def worn(make, *sizes, body="mean-female"):
-    return drape(make(*sizes), body, vertices=FEW)
+    return drape_pattern(make(*sizes), body, vertices=FEW)
 
 
 def top_edge(found) -> np.ndarray:
@@ -72,7 +71,7 @@ def test_a_waist_of_180_cm_falls_off_a_body_of_74():
 
 @pytest.mark.parametrize("degrees", [60.0, 90.0, 180.0, 270.0, 350.0])
 def test_the_waist_of_a_circle_skirt_is_level_at_the_waist(degrees):
-    found = drape(circle_skirt(degrees, waist=76.0, length=50.0), vertices=1200)
+    found = drape_pattern(circle_skirt(degrees, waist=76.0, length=50.0), vertices=1200)
     check_worn(found)
     top = top_edge(found)
     assert np.ptp(top[:, 1]) < 1.0
@@ -92,41 +91,42 @@ def test_a_strapless_dress_stays_up_only_where_it_is_tight(share):
 
 
 def test_a_gathered_waist_is_drawn_together_only_where_the_file_says_so():
-    gathered = draft("skirt", waistband="none", skirt_fullness=1.8)
-    found = drape(gathered, vertices=1200)
+    gathered = draft_pattern("skirt", waistband="none", skirt_fullness=1.8)
+    found = drape_pattern(gathered, vertices=1200)
     check_worn(found)
     assert "elastic" in found.report.notes[0]
     assert body_field(found.body).at(top_edge(found)).mean() < STANDS_OFF
     assert any(
-        "slid" in f for f in drape(unnamed(gathered, labels=False), vertices=FEW).report.faults
+        "slid" in f
+        for f in drape_pattern(unnamed(gathered, labels=False), vertices=FEW).report.faults
     )
 
 
 def test_what_hangs_from_the_shoulders_is_measured_there():
-    assert set(worn(draft, "tee").report.slid) == {"shoulders"}
-    assert set(worn(draft, "skirt").report.slid) == {"waist"}
+    assert set(worn(draft_pattern, "tee").report.slid) == {"shoulders"}
+    assert set(worn(draft_pattern, "skirt").report.slid) == {"waist"}
 
 
 @pytest.mark.parametrize("up", [-140.0, -40.0, 30.0, 100.0])
 @pytest.mark.parametrize("kind", ["tee", "skirt", "pants", "top-pants"])
 def test_a_garment_is_worn_the_same_wherever_its_origin_is(kind, up):
-    found = drape(moved(draft(kind), (0.0, up, up / 3)), vertices=FEW)
+    found = drape_pattern(moved(draft_pattern(kind), (0.0, up, up / 3)), vertices=FEW)
     check_worn(found)
-    assert np.allclose(found.points, worn(draft, kind).points, atol=0.5)
+    assert np.allclose(found.points, worn(draft_pattern, kind).points, atol=0.5)
 
 
 @pytest.mark.parametrize("kind", ["skirt", "pants"])
 def test_clothes_drafted_for_a_short_woman_are_worn_at_the_waist(kind):
     mean = presets()["mean-female"]
     short = BodyMeasurements(**{f.name: getattr(mean, f.name) * 0.86 for f in fields(mean)})
-    found = drape(draft(kind, short), "slim-female", vertices=FEW)
+    found = drape_pattern(draft_pattern(kind, short), "slim-female", vertices=FEW)
     assert found.report.slid["waist"] < 5.0
     assert not any("slid" in fault for fault in found.report.faults)
 
 
 def one_strap() -> Pattern:
     """A tank whose right strap is cut off."""
-    tank = draft("tank")
+    tank = draft_pattern("tank")
 
     def cut(panel):
         side = -1 if panel.name == "front" else 1
@@ -189,19 +189,19 @@ def square(size: float) -> Loop:
         ),
         (
             replace(
-                draft("tee"),
+                draft_pattern("tee"),
                 panels=tuple(
                     replace(p, translation=(0.0, 0.0, 0.0), rotation=(0.0, 0.0, 0.0))
-                    for p in draft("tee").panels
+                    for p in draft_pattern("tee").panels
                 ),
             ),
             "place them a?round the body",
         ),
         (
             replace(
-                draft("skirt"),
+                draft_pattern("skirt"),
                 panels=(
-                    *draft("skirt").panels,
+                    *draft_pattern("skirt").panels,
                     Panel("pocket", square(12.0), translation=(10.0, 80.0, 25.0)),
                 ),
             ),
@@ -211,7 +211,7 @@ def square(size: float) -> Loop:
 )
 def test_what_nothing_can_hold_is_refused_with_the_remedy(pattern, words):
     with pytest.raises(DrapeError, match=words):
-        drape(pattern)
+        drape_pattern(pattern)
 
 
 def test_a_belt_pulls_no_harder_than_it_can():
@@ -251,7 +251,7 @@ def faults(tmp_path: Path, kind: str) -> list[Path]:
 @pytest.mark.corpus
 def test_circle_skirts_by_others_without_a_band_are_level_on_the_waist(tmp_path):
     for path in faults(tmp_path, "public-circle-no-band"):
-        found = drape(read_pattern(path)[0])
+        found = drape_pattern(read_pattern(path)[0])
         check_worn(found)
         top = top_edge(found)
         assert np.ptp(top[:, 1]) < 1.0, path.stem
@@ -261,7 +261,7 @@ def test_circle_skirts_by_others_without_a_band_are_level_on_the_waist(tmp_path)
 @pytest.mark.corpus
 def test_strapless_clothes_by_others_are_held_at_the_chest_or_said_to_have_slid(tmp_path):
     for path in faults(tmp_path, "public-strapless"):
-        found = drape(read_pattern(path)[0])
+        found = drape_pattern(read_pattern(path)[0])
         assert set(found.report.slid) <= {"chest", "shoulders"}, path.stem
         high = top_edge(found)[:, 1].mean() > waist_height(found.body) + 8.0
         assert high or found.report.faults, path.stem
@@ -272,6 +272,6 @@ def test_moved_and_petite_clothes_are_worn_where_they_belong(tmp_path):
     for path in [*faults(tmp_path, "origin-elsewhere"), *faults(tmp_path, "petite-skirt")]:
         if path.stem.startswith("petite"):
             continue
-        found = drape(read_pattern(path)[0], vertices=1000)
+        found = drape_pattern(read_pattern(path)[0], vertices=1000)
         check_worn(found)
         assert max(found.report.slid.values()) <= MOST_SLID + 0.1, path.stem

@@ -7,22 +7,14 @@ import pytest
 from hypothesis import given, settings
 
 from garmentimage import draft_pattern, kinds
-from garmentimage.drape.mesh import COARSEST, FINEST, mesh, missed
-from garmentimage.drape.rest import rest_of, strain
-from garmentimage.drape.triangulate import triangulate
+from garmentimage.drape.mesh.meshing import COARSEST, FINEST, mesh, missed
+from garmentimage.drape.mesh.rest import rest_of, strain
+from garmentimage.drape.mesh.triangulate import triangulate
 from garmentimage.errors import DrapeError
 from garmentimage.examples import example_names, example_path
 from garmentimage.geometry.curves import Bezier, Line
-from garmentimage.pattern.model import (
-    Edge,
-    Loop,
-    Panel,
-    Pattern,
-    Side,
-    Stitch,
-    loop_from_curves,
-)
-from garmentimage.pattern.spec import load_pattern, read_pattern
+from garmentimage.pattern.files.spec import load_pattern, read_pattern
+from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch, loop_from_curves
 from tests.corpus import corpus_sample
 from tests.garments import garments
 

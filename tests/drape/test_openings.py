@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import load_body
-from garmentimage.body.measurements import presets
-from garmentimage.drape.openings import BONES, bones, is_beyond, openings, turns
+from garmentimage.body.body_measurements import presets
+from garmentimage.drape.verdict.openings import BONES, bones, is_beyond, openings, turns
 
 LIMBS = tuple(BONES)[1:]
 LEFT_ARM, RIGHT_ARM, LEFT_LEG, RIGHT_LEG = range(4)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentimage.drape.bending import bending_matrix
-from garmentimage.drape.field import empty_field
-from garmentimage.drape.solver import FRAME, GRAVITY, Attachment, Settings, solve
+from garmentimage.drape.mesh.bending import bending_matrix
+from garmentimage.drape.solver.distance_field import empty_field
+from garmentimage.drape.solver.solver import FRAME, GRAVITY, Attachment, Settings, solve
 from tests.drape.sheets import ROW, SOFT, ball, floor, lying, sheet, standing, strip
 
 AT_ONCE = Settings(frames=600, gather_frames=0, stop_speed=0.01)

@@ -5,9 +5,9 @@ import pytest
 
 import garmentimage as gi
 from garmentimage.body.body import load_body
-from garmentimage.drape.field import body_field
-from garmentimage.drape.skin import deepest
-from garmentimage.drape.solver import Settings, solve
+from garmentimage.drape.solver.distance_field import body_field
+from garmentimage.drape.solver.solver import Settings, solve
+from garmentimage.drape.verdict.skin import deepest
 from tests.corpus import unpacked
 from tests.drape.sheets import SOFT, ball, lying, sheet
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from garmentimage.drape.fabric import FABRICS, load_fabric
-from garmentimage.drape.field import empty_field
-from garmentimage.drape.solver import Attachment, Settings, solve
+from garmentimage.drape.solver.distance_field import empty_field
+from garmentimage.drape.solver.solver import Attachment, Settings, solve
 from garmentimage.errors import DrapeError
 from tests.drape.sheets import SOFT, ball, lying, sheet, standing
 

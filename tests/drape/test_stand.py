@@ -2,19 +2,18 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage.body.body import load_body
+from garmentimage.body.body_measurements import presets
 from garmentimage.body.measure import measure
-from garmentimage.body.measurements import presets
-from garmentimage.draft.kinds import draft, kinds
+from garmentimage.draft.kinds import draft_pattern, kinds
 from garmentimage.drape.girths import chest_level, girth, waist_height
-from garmentimage.drape.held import Held
-from garmentimage.drape.stand import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, standing
+from garmentimage.drape.start.placement import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, standing
+from garmentimage.drape.support import Held
 from garmentimage.errors import DraftError
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.spec import read_pattern
 from tests.corpus import corpus_sample
 from tests.drape.garments import circle_skirt, moved, strapless_dress, tube, unnamed, world
 
@@ -30,7 +29,7 @@ def placed_alike(pattern: Pattern, other: Pattern) -> bool:
 @pytest.mark.parametrize("name", presets())
 @pytest.mark.parametrize("kind", kinds())
 def test_a_draft_for_the_body_keeps_its_height(kind, name):
-    _, (report,) = standing(draft(kind, name), load_body(name))
+    _, (report,) = standing(draft_pattern(kind, name), load_body(name))
     assert abs(report.lifted) < DRAFT_TOL_CM
     assert report.sure and report.scale == 1
 
@@ -38,7 +37,7 @@ def test_a_draft_for_the_body_keeps_its_height(kind, name):
 @pytest.mark.parametrize("up", [-140.0, -30.0, -5.0, 5.0, 60.0])
 @pytest.mark.parametrize("kind", kinds())
 def test_the_origin_of_a_file_changes_nothing(kind, up):
-    body, pattern = load_body("short-round-male"), draft(kind)
+    body, pattern = load_body("short-round-male"), draft_pattern(kind)
     placed, reports = standing(pattern, body)
     again, moved_reports = standing(moved(pattern, (0.0, up, 2 * up)), body)
     assert placed_alike(again, placed)
@@ -53,7 +52,7 @@ def test_the_origin_of_a_file_changes_nothing(kind, up):
     st.sampled_from(sorted(presets())),
 )
 def test_no_origin_changes_where_a_garment_stands_on_any_body(up, forward, kind, made, worn):
-    pattern, body = draft(kind, made), load_body(worn)
+    pattern, body = draft_pattern(kind, made), load_body(worn)
     placed, _ = standing(pattern, body)
     again, _ = standing(moved(pattern, (0.0, up, forward)), body)
     assert placed_alike(again, placed)
@@ -61,14 +60,14 @@ def test_no_origin_changes_where_a_garment_stands_on_any_body(up, forward, kind,
 
 @pytest.mark.parametrize("kind", kinds())
 def test_names_are_not_needed_to_tell_what_holds_a_draft(kind):
-    body, pattern = load_body(), draft(kind)
+    body, pattern = load_body(), draft_pattern(kind)
     (named,), (told,) = (standing(p, body)[1] for p in (pattern, unnamed(pattern)))
     assert told.held is named.held and told.sure
 
 
 def test_every_garment_of_a_file_is_put_where_it_belongs_by_itself():
     body = load_body()
-    tee, pants = draft("tee"), draft("pants")
+    tee, pants = draft_pattern("tee"), draft_pattern("pants")
     both = Pattern(
         (*tee.panels, *moved(pants, (0.0, 45.0, 0.0)).panels), (*tee.stitches, *pants.stitches)
     )
@@ -81,7 +80,7 @@ def test_every_garment_of_a_file_is_put_where_it_belongs_by_itself():
 
 def test_standing_twice_is_standing_once():
     body = load_body("tall-slim-male")
-    placed, _ = standing(draft("top-skirt"), body)
+    placed, _ = standing(draft_pattern("top-skirt"), body)
     again, (report,) = standing(placed, body)
     assert abs(report.lifted) < 1e-9 and abs(report.forward) < 1e-9
     assert placed_alike(again, placed)
@@ -90,7 +89,7 @@ def test_standing_twice_is_standing_once():
 @pytest.mark.parametrize("name", presets())
 def test_a_top_comes_down_on_any_shoulders_from_above(name):
     body = load_body(name)
-    placed, (report,) = standing(draft("tee"), body)
+    placed, (report,) = standing(draft_pattern("tee"), body)
     assert report.held is Held.SHOULDERS
     assert 0.0 < world(placed)[:, 1].max() - body.landmarks["left_neck_point"][1] < 10.0
 
@@ -98,7 +97,7 @@ def test_a_top_comes_down_on_any_shoulders_from_above(name):
 @pytest.mark.parametrize("name", presets())
 def test_the_crotch_of_trousers_is_under_that_of_the_body(name):
     body = load_body(name)
-    placed, (report,) = standing(draft("pants"), body)
+    placed, (report,) = standing(draft_pattern("pants"), body)
     assert report.held is Held.WAIST
     front = placed.by_name["left_trouser_front"]
     points = front.to_world(front.outline.polygon)
@@ -130,7 +129,7 @@ def test_a_skirt_a_little_too_wide_for_the_waist_sits_on_the_hips():
 @pytest.mark.parametrize("band", ["none", "band"])
 def test_a_waistband_goes_up_from_the_waist(band):
     body = load_body()
-    _, (report,) = standing(draft("skirt", waistband=band), body)
+    _, (report,) = standing(draft_pattern("skirt", waistband=band), body)
     up = report.level - waist_height(body)
     assert 0 <= up <= BAND_ABOVE
     assert (up > 0) == (band == "band")
@@ -138,7 +137,7 @@ def test_a_waistband_goes_up_from_the_waist(band):
 
 def test_an_edge_labelled_for_the_waist_is_drawn_together_as_by_an_elastic():
     body = load_body()
-    gathered = draft("skirt", waistband="none", skirt_fullness=1.8)
+    gathered = draft_pattern("skirt", waistband="none", skirt_fullness=1.8)
     _, (report,) = standing(gathered, body)
     assert report.holds and 0 < report.drawn_to < girth(body, waist_height(body))
     _, (plain,) = standing(unnamed(gathered, labels=False), body)
@@ -177,7 +176,7 @@ def test_a_doubtful_garment_says_so():
 def test_front_and_back_get_the_body_between_them():
     body = load_body()
     for forward in (-20.0, 0.0, 20.0):
-        placed, _ = standing(moved(draft("tee"), (0.0, 0.0, forward)), body)
+        placed, _ = standing(moved(draft_pattern("tee"), (0.0, 0.0, forward)), body)
         front, back = (placed.by_name[name].translation[2] for name in ("front", "back"))
         trunk = body.vertices[np.abs(body.vertices[:, 0]) < 5]
         chest = trunk[(trunk[:, 1] > 110) & (trunk[:, 1] < 130), 2]
@@ -185,7 +184,7 @@ def test_front_and_back_get_the_body_between_them():
 
 
 def test_nothing_is_bent_and_nothing_moves_sideways():
-    pattern = draft("hoodie")
+    pattern = draft_pattern("hoodie")
     placed, (report,) = standing(pattern, load_body("tall-slim-male"))
     for before, after in zip(pattern.panels, placed.panels):
         assert after.outline == before.outline and after.rotation == before.rotation
@@ -194,7 +193,7 @@ def test_nothing_is_bent_and_nothing_moves_sideways():
 
 
 def test_lengths_are_scaled_only_when_asked():
-    body, pattern = load_body(), draft("tee")
+    body, pattern = load_body(), draft_pattern("tee")
     placed, (report,) = standing(pattern, body, made_for=np.ptp(body.vertices[:, 1]) * 1.25)
     assert report.scale == pytest.approx(0.8)
     for before, after in zip(pattern.panels, placed.panels):

@@ -7,18 +7,18 @@ import pytest
 
 from garmentimage import draft_pattern, load_pattern
 from garmentimage.body.body import POSES, load_body
-from garmentimage.body.measurements import presets
-from garmentimage.drape.field import body_field
-from garmentimage.drape.items import items
-from garmentimage.drape.mesh import mesh
-from garmentimage.drape.openings import BONES, bones, openings, turns
-from garmentimage.drape.stand import standing
-from garmentimage.drape.start import start_points
-from garmentimage.drape.wear import check_worn, drape
+from garmentimage.body.body_measurements import presets
+from garmentimage.drape.components import items
+from garmentimage.drape.draping import check_worn, drape_pattern
+from garmentimage.drape.mesh.meshing import mesh
+from garmentimage.drape.solver.distance_field import body_field
+from garmentimage.drape.start.placement import standing
+from garmentimage.drape.start.starting import start_points
+from garmentimage.drape.verdict.openings import BONES, bones, openings, turns
 from garmentimage.errors import GarmentImageError
 from garmentimage.examples import example_path
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side, Stitch
-from garmentimage.pattern.spec import read_pattern
 from tests.corpus import corpus_sample
 
 LIMBS = tuple(BONES)[1:]
@@ -221,7 +221,7 @@ def test_circle_skirts_begin_round_the_body_and_are_worn_without_fault(degrees):
     sides = np.abs(start[skirt, 2]) < 1.0
     assert body_field(body).at(start[skirt]).min() > 0
     assert np.abs(start[skirt][sides, 0]).min() > 10
-    check_worn(drape(pattern, body))
+    check_worn(drape_pattern(pattern, body))
 
 
 @pytest.mark.parametrize("kind", ["pants", "skirt"])
@@ -246,7 +246,7 @@ def test_most_patterns_by_others_are_worn_without_fault():
     sample = corpus_sample(60)
     for path in sample:
         try:
-            faults[path.stem] = drape(read_pattern(path)[0], "slim-female").report.faults
+            faults[path.stem] = drape_pattern(read_pattern(path)[0], "slim-female").report.faults
         except GarmentImageError as error:
             faults[path.stem] = (str(error),)
     bad = {name: found for name, found in faults.items() if found}

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from garmentimage.cli import main
+from garmentimage.cli.app import main
 from garmentimage.dataset.read import row_count, shard_files
 from garmentimage.errors import DatasetError
-from garmentimage.evaluate.guesses import Guesser, guessing, named
-from garmentimage.evaluate.image import Amounts, Item, evaluate, summary, with_parts
+from garmentimage.evaluate.image import ImageAmounts, Item, evaluate_images, summary, with_parts
+from garmentimage.evaluate.predictors import Guesser, guessing, named
 from garmentimage.evaluate.splits import check_splits, groups
 from garmentimage.evaluate.table import held_out_table
 
@@ -117,16 +117,20 @@ def test_a_network_is_not_measured_on_what_it_may_have_learnt_from(
 def test_a_type_held_out_is_measured_as_unseen_and_must_have_been_left_out(
     pictured, runs, tmp_path
 ):
-    amounts = Amounts(seen=2, unseen=1, parts=0, draped=0)
+    amounts = ImageAmounts(seen=2, unseen=1, parts=0, draped=0)
     anchors = [Guesser("another", "random")]
-    told = evaluate(anchors, pictured, tmp_path / "one", amounts, held_out="top + pants", workers=1)
+    told = evaluate_images(
+        anchors, pictured, tmp_path / "one", amounts, held_out="top + pants", workers=1
+    )
     assert told["splits"]["unseen types"] == ["top + pants"]
     assert "top + pants" not in told["splits"]["types learnt from"]
     remembers = guessing(Guesser("nearest", "nearest"), str(pictured), "top + pants")
     assert len(remembers.patterns) == 36 and not any("trouser" in p for p in remembers.patterns)
     wrong = named([str(runs / "cascade-0")])
     with pytest.raises(Exception, match="was trained on type 'top \\+ pants', too; train it with"):
-        evaluate(wrong, pictured, tmp_path / "two", amounts, held_out="top + pants", workers=1)
+        evaluate_images(
+            wrong, pictured, tmp_path / "two", amounts, held_out="top + pants", workers=1
+        )
 
 
 def test_networks_of_all_types_are_measured_on_seen_garments_where_none_are_unseen(
@@ -139,14 +143,16 @@ def test_networks_of_all_types_are_measured_on_seen_garments_where_none_are_unse
         summary["rows"] -= row_count(file)
         file.unlink()
     (data / "summary.json").write_text(json.dumps(summary))
-    amounts = Amounts(seen=2, unseen=1, parts=0, draped=0)
-    told = evaluate([Guesser("another", "random")], data, tmp_path / "out", amounts, workers=1)
+    amounts = ImageAmounts(seen=2, unseen=1, parts=0, draped=0)
+    told = evaluate_images(
+        [Guesser("another", "random")], data, tmp_path / "out", amounts, workers=1
+    )
     assert set(told["figures"]["another"]) == {"seen"}
 
 
 def test_choices_are_made_on_the_validation_split_and_open_no_test(pictured, tmp_path):
-    amounts = Amounts(seen=2, unseen=1, parts=0, draped=0)
-    evaluate(
+    amounts = ImageAmounts(seen=2, unseen=1, parts=0, draped=0)
+    evaluate_images(
         [Guesser("another", "random")], pictured, tmp_path, amounts, validation=True, workers=1
     )
     assert sorted(f.name for f in tmp_path.iterdir()) == [

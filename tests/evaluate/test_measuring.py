@@ -5,10 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from garmentimage.draft.kinds import draft
+from garmentimage.draft.kinds import draft_pattern
 from garmentimage.evaluate.codecs import PlainCodec
-from garmentimage.evaluate.edits import EDITS, triplets
-from garmentimage.evaluate.explore import summary
+from garmentimage.evaluate.edit_triplets import EDITS, triplets
 from garmentimage.evaluate.garment import (
     outline_distance,
     panel_overlap,
@@ -16,9 +15,10 @@ from garmentimage.evaluate.garment import (
     seen,
     silhouette_distance,
 )
+from garmentimage.evaluate.latent import summary
 from garmentimage.evaluate.table import markdown
 
-DRESS, PANTS = draft("one-panel-dress"), draft("top-pants")
+DRESS, PANTS = draft_pattern("one-panel-dress"), draft_pattern("top-pants")
 
 
 def test_a_garment_is_like_itself_and_unlike_another():
@@ -82,8 +82,8 @@ def test_edits_without_the_intended_topology_do_not_count_for_the_overlap():
 
 
 def test_without_a_network_an_edit_of_nothing_changes_nothing():
-    codec, garment = PlainCodec(16), draft("top-skirt")
-    a, b = codec.latents([draft("shirt"), garment])
+    codec, garment = PlainCodec(16), draft_pattern("top-skirt")
+    a, b = codec.latents([draft_pattern("shirt"), garment])
     step = codec.step(b + (a - a))
     assert not step.faults and panel_overlap(garment, step.pattern) > 0.97
     assert np.array_equal(codec.settled(a, 3), a)

@@ -4,19 +4,19 @@ import json
 
 import pytest
 
-from garmentimage.dataset.build import Build, build
-from garmentimage.dataset.recipe import recipe
+from garmentimage.dataset.building import Build, build
+from garmentimage.dataset.recipe import load_recipe
 from garmentimage.errors import LearnError
-from garmentimage.evaluate.explore import Amounts, Judged, evaluate
+from garmentimage.evaluate.latent import Judged, LatentAmounts, evaluate_latent
 
-FEW = Amounts(garments=2, pairs=1, triplets=1)
+FEW = LatentAmounts(garments=2, pairs=1, triplets=1)
 
 
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
     """A small dataset of `vae-topology`."""
     folder = tmp_path_factory.mktemp("data") / "topology"
-    build(Build(recipe("vae-topology"), folder, 40), workers=1)
+    build(Build(load_recipe("vae-topology"), folder, 40), workers=1)
     return folder
 
 
@@ -24,7 +24,7 @@ def data(tmp_path_factory):
 def test_a_stopped_evaluation_goes_on_and_another_is_refused(data, tmp_path):
     def measure(amounts=FEW, folder=tmp_path):
         plain = Judged("no network", "", str(data), "full")
-        return evaluate([plain], "vae-topology", folder, amounts, workers=1)
+        return evaluate_latent([plain], "vae-topology", folder, amounts, workers=1)
 
     figures = measure()
     assert figures["no network"]["reconstruction"]["overlap"]["mean"] > 0.97
@@ -34,7 +34,7 @@ def test_a_stopped_evaluation_goes_on_and_another_is_refused(data, tmp_path):
     assert measure() == figures
     assert sorted(file.read_text().splitlines(keepends=True)) == sorted(lines)
     with pytest.raises(LearnError, match="holds records of other networks, data or amounts"):
-        measure(Amounts(garments=2, pairs=1, triplets=2))
+        measure(LatentAmounts(garments=2, pairs=1, triplets=2))
     file.write_text("[]\n")
     with pytest.raises(LearnError, match=r"edits-no-network\.jsonl: is damaged"):
         measure()
@@ -42,5 +42,5 @@ def test_a_stopped_evaluation_goes_on_and_another_is_refused(data, tmp_path):
     with pytest.raises(LearnError, match="file: cannot be used"):
         measure(folder=tmp_path / "file")
     with pytest.raises(LearnError, match=r"its test split has .* this takes 300 or more"):
-        measure(Amounts(), tmp_path / "more")
+        measure(LatentAmounts(), tmp_path / "more")
     assert json.loads((tmp_path / "run.json").read_text())["amounts"]["garments"] == 2

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from garmentimage.cli import main
-from garmentimage.draft.kinds import draft
+from garmentimage.cli.app import main
+from garmentimage.draft.kinds import draft_pattern
 from garmentimage.evaluate.prompts import EXTREME, PROMPTS, is_asked
-from garmentimage.metrics.kept import kept
-from garmentimage.metrics.traits import traits
+from garmentimage.metrics.preserved import kept
+from garmentimage.metrics.shape_attributes import traits
 
-DRESS, TROUSERS = draft("one-panel-dress"), draft("top-pants")
+DRESS, TROUSERS = draft_pattern("one-panel-dress"), draft_pattern("top-pants")
 BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}
 
 
@@ -24,14 +24,22 @@ BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}
         ("skirt", TROUSERS, DRESS),
         ("dress", TROUSERS, DRESS),
         ("two pieces", DRESS, TROUSERS),
-        ("long sleeves", DRESS, draft("one-panel-dress", sleeves="set-in", sleeve_length=1.0)),
-        ("short sleeves", DRESS, draft("one-panel-dress", sleeves="set-in", sleeve_length=0.5)),
-        ("sleeveless", draft("one-panel-dress", sleeves="set-in"), DRESS),
-        ("long", DRESS, draft("one-panel-dress", body_length=70)),
-        ("short", DRESS, draft("one-panel-dress", body_length=38)),
-        ("wide", DRESS, draft("one-panel-dress", flare=0.4)),
-        ("flared", TROUSERS, draft("top-pants", leg_flare=16)),
-        ("narrow", DRESS, draft("one-panel-dress", flare=0.0)),
+        (
+            "long sleeves",
+            DRESS,
+            draft_pattern("one-panel-dress", sleeves="set-in", sleeve_length=1.0),
+        ),
+        (
+            "short sleeves",
+            DRESS,
+            draft_pattern("one-panel-dress", sleeves="set-in", sleeve_length=0.5),
+        ),
+        ("sleeveless", draft_pattern("one-panel-dress", sleeves="set-in"), DRESS),
+        ("long", DRESS, draft_pattern("one-panel-dress", body_length=70)),
+        ("short", DRESS, draft_pattern("one-panel-dress", body_length=38)),
+        ("wide", DRESS, draft_pattern("one-panel-dress", flare=0.4)),
+        ("flared", TROUSERS, draft_pattern("top-pants", leg_flare=16)),
+        ("narrow", DRESS, draft_pattern("one-panel-dress", flare=0.0)),
     ],
 )
 def test_a_prompt_holds_of_what_it_asks_for_and_is_asked_only_of_others(text, start, end):
@@ -49,8 +57,8 @@ def test_there_are_twelve_prompts_in_three_groups():
 
 
 def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
-    longer = draft("one-panel-dress", body_length=70)
-    sleeved = draft("one-panel-dress", sleeves="set-in", sleeve_length=1.0)
+    longer = draft_pattern("one-panel-dress", body_length=70)
+    sleeved = draft_pattern("one-panel-dress", sleeves="set-in", sleeve_length=1.0)
     assert kept(BY_TEXT["long"].touches, DRESS, longer) > 0.99
     assert kept(BY_TEXT["long sleeves"].touches, DRESS, longer) < 0.9
     assert kept(BY_TEXT["long sleeves"].touches, DRESS, sleeved) > 0.97
@@ -80,7 +88,7 @@ def test_a_table_has_everyone_who_edits(trained, tmp_path, monkeypatch, capsys):
     assert np.asarray(Image.open(tmp_path / "out" / "edits.png")).shape[0] > 1500
     before = {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")}
     assert told["editors"][0]["space"] == str(folder / "vae" / "model")
-    monkeypatch.setattr("garmentimage.explore.space.SHIPPED", folder / "vae")
+    monkeypatch.setattr("garmentimage.networks.runtime.SHIPPED", folder / "vae")
     assert main(list(map(str, words))) == 0  # nothing is left to do
     assert {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")} == before
     told = json.loads((tmp_path / "out" / "result.json").read_text())
@@ -126,6 +134,6 @@ def test_networks_that_will_not_do_are_told_before_the_work(
 
 
 def test_a_garment_that_is_wide_already_is_not_asked_to_be_wide():
-    wide = traits(draft("one-panel-dress", flare=0.5))
+    wide = traits(draft_pattern("one-panel-dress", flare=0.5))
     assert not is_asked(BY_TEXT["wide"], wide) and is_asked(BY_TEXT["narrow"], wide)
     assert is_asked(BY_TEXT["wide"], replace(wide, width=50.0))

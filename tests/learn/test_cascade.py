@@ -6,8 +6,15 @@ import pytest
 import torch
 
 from garmentimage.errors import DatasetError
-from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig, evened, flipped, redrawn
-from garmentimage.learn.pictured import read_album
+from garmentimage.learn.data.images import read_album
+from garmentimage.learn.models.cascade import (
+    PAPER,
+    Cascade,
+    CascadeConfig,
+    evened,
+    flipped,
+    redrawn,
+)
 from garmentimage.learn.weights import load_weights
 
 SMALL = CascadeConfig(channels=(16, 16, 16))

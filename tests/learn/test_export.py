@@ -9,11 +9,16 @@ from safetensors.torch import load_file, save_file
 
 import garmentimage
 from garmentimage.errors import LearnError
-from garmentimage.explore.space import LatentSpace
+from garmentimage.latent.space import LatentSpace
+from garmentimage.learn.data.rasters import read_rasters
 from garmentimage.learn.export import export
-from garmentimage.learn.garment_vae import GarmentVAE, GarmentVAEConfig, from_channels, to_channels
-from garmentimage.learn.rasters import read_rasters
-from garmentimage.learn.vector_vae import VectorVAE
+from garmentimage.learn.models.garment_vae import (
+    GarmentVAE,
+    GarmentVAEConfig,
+    from_channels,
+    to_channels,
+)
+from garmentimage.learn.models.vector_vae import VectorVAE
 from garmentimage.learn.weights import load_weights
 
 

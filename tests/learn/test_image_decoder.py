@@ -3,7 +3,7 @@
 import pytest
 
 from garmentimage.errors import LearnError
-from garmentimage.learn.image_decoder import ImageDecoderConfig
+from garmentimage.learn.models.image_decoder import ImageDecoderConfig
 
 
 def test_pictures_of_another_size_than_it_draws_are_refused_in_a_sentence():

@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 import torch
 
-from garmentimage.cli import main
-from garmentimage.learn.cascade import PAPER, Cascade, CascadeConfig
-from garmentimage.learn.lessons import Wanted, lesson
-from garmentimage.learn.slot_networks import SLOT_NETWORKS
+from garmentimage.cli.app import main
+from garmentimage.cli.train import BASELINES, DEPARTURES
+from garmentimage.learn.models.cascade import PAPER, Cascade, CascadeConfig
+from garmentimage.learn.models.slot_networks import SLOT_NETWORKS
+from garmentimage.learn.tasks import Wanted, lesson
 from garmentimage.learn.weights import load_weights
-from garmentimage.learn_commands import BASELINES, DEPARTURES
 
 
 def train(*words) -> int:

@@ -5,20 +5,26 @@ import pytest
 import torch
 from hypothesis import given
 
-from garmentimage.draft.sample import sample
+from garmentimage.compare import match_panels
+from garmentimage.draft.sampling import sample
 from garmentimage.errors import DatasetError
-from garmentimage.learn.garment_vae import FLAGS, TYPES, from_channels, image_losses, to_channels
-from garmentimage.learn.rasters import (
+from garmentimage.learn.data.rasters import (
     Rasters,
+    from_channels as rasters_from_channels,
     mirrored_flags,
     mirrored_types,
     mirrored_vectors,
     read_rasters,
 )
-from garmentimage.learn.rasters import from_channels as rasters_from_channels
-from garmentimage.metrics import match_panels
-from garmentimage.raster.decode import decode
-from garmentimage.raster.encode import encode
+from garmentimage.learn.models.garment_vae import (
+    FLAGS,
+    TYPES,
+    from_channels,
+    image_losses,
+    to_channels,
+)
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.image import GarmentImage, mirrored_channels
 from tests.images import images
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import torch
 
-from garmentimage.explore.space import step_of
-from garmentimage.learn.cascade import sure_maps
-from garmentimage.learn.garment_vae import to_channels
-from garmentimage.learn.pictured import Pictured, read_album, waist_rows
-from garmentimage.learn.recombine import recombined, repainted
+from garmentimage.learn.data.images import Pictured, read_album, waist_rows
+from garmentimage.learn.data.waist_mix import recombined, repainted
+from garmentimage.learn.models.cascade import sure_maps
+from garmentimage.learn.models.garment_vae import to_channels
+from garmentimage.networks.decoded import step_of
 
 
 @pytest.fixture(scope="module")

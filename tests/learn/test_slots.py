@@ -7,11 +7,11 @@ import pytest
 import torch
 from scipy.spatial.distance import cdist
 
-from garmentimage.draft.kinds import draft
+from garmentimage.compare import validity
+from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import DecodeError
 from garmentimage.evaluate.garment import panel_overlap, same_graph
-from garmentimage.learn.slot_networks import SLOT_NETWORKS
-from garmentimage.learn.slot_vectors import (
+from garmentimage.learn.data.slot_vectors import (
     ASKED,
     PicturedSlots,
     SlotConfig,
@@ -22,10 +22,10 @@ from garmentimage.learn.slot_vectors import (
     slot_vectors,
     slot_words,
 )
-from garmentimage.metrics import validity
+from garmentimage.learn.models.slot_networks import SLOT_NETWORKS
 
 GARMENTS = [
-    draft(kind, sleeves=sleeves)
+    draft_pattern(kind, sleeves=sleeves)
     for kind in ("one-panel-dress", "top-pants")
     for sleeves in ("none", "set-in")
 ]
@@ -52,7 +52,7 @@ def test_what_is_said_without_error_is_the_garment():
 
 
 def test_slots_keep_the_outline_of_a_panel_with_a_hole():
-    whole, holed = (draft("one-panel-dress", cutout=place) for place in ("none", "front"))
+    whole, holed = (draft_pattern("one-panel-dress", cutout=place) for place in ("none", "front"))
     assert holed.by_name["front"].holes
     words = slot_words([whole])
     one, other = slot_vectors([whole], words), slot_vectors([holed], words)

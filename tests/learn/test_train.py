@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from garmentimage.errors import LearnError
-from garmentimage.learn.garment_vae import GarmentVAE, GarmentVAEConfig, default_config
-from garmentimage.learn.rasters import read_rasters
-from garmentimage.learn.train import Settings, fitting_precision, train
-from garmentimage.learn.vector_vae import VectorVAE, VectorVAEConfig
-from garmentimage.learn.vectors import read_patterns, vectors, vocabulary
+from garmentimage.learn.data.pattern_vectors import read_patterns, vectors, vocabulary
+from garmentimage.learn.data.rasters import read_rasters
+from garmentimage.learn.models.garment_vae import GarmentVAE, GarmentVAEConfig, default_config
+from garmentimage.learn.models.vector_vae import VectorVAE, VectorVAEConfig
+from garmentimage.learn.training import Settings, fitting_precision, train
 
 TINY = GarmentVAEConfig(channels=(16, 16, 16), latent=8)
 SHORT = Settings(epochs=3, batch=16)

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from garmentimage.draft.sample import sample
+from garmentimage.compare import match_panels, validity
+from garmentimage.draft.sampling import sample
 from garmentimage.errors import DecodeError, LearnError
-from garmentimage.learn.vectors import (
+from garmentimage.learn.data.pattern_vectors import (
     read_patterns,
     read_vocabulary,
     topology_of,
@@ -13,7 +14,6 @@ from garmentimage.learn.vectors import (
     vocabulary,
     vocabulary_from_json,
 )
-from garmentimage.metrics import match_panels, validity
 
 KINDS = {"one-panel-dress": {"cutout": "none"}, "top-pants": {}, "skirt": {}}
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from garmentimage.compare.judge import judge
-from garmentimage.compare.validity import validity
-from garmentimage.pattern.spec import read_pattern
+from garmentimage.compare.judging import judge
+from garmentimage.compare.validation import validity
+from garmentimage.pattern.files.spec import read_pattern
 from tests.compare.garments import (
     renamed_panels,
     reordered,

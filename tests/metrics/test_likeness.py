@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import garmentimage as gi
+from garmentimage.compare import validity
 from garmentimage.compare.matching import POSES
 from garmentimage.compare.pairing import posed_panel
-from garmentimage.draft.sample import sample
-from garmentimage.metrics import interval, likeness, likeness_summary, validity
+from garmentimage.draft.sampling import sample
+from garmentimage.metrics import interval, likeness, likeness_summary
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Side, Stitch
-from garmentimage.pattern.spec import read_pattern
 from tests.compare.garments import (
     renamed_panels,
     reordered,

@@ -7,7 +7,7 @@ import pytest
 
 from garmentimage.compare.matching import POSES
 from garmentimage.compare.pairing import posed_panel
-from garmentimage.draft.kinds import draft
+from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import PatternError
 from garmentimage.examples import example_path
 from garmentimage.metrics.published import (
@@ -17,7 +17,7 @@ from garmentimage.metrics.published import (
     tag_stitches,
     universal_translation,
 )
-from garmentimage.pattern.spec import load_pattern
+from garmentimage.pattern.files.spec import load_pattern
 from tests.compare.garments import renamed_panels, shifted_loops
 
 MODES = ("neuraltailor", "sewformer", "aipparel")
@@ -40,7 +40,7 @@ def slots(*panels, stitches=(), rotations=None, translations=None):
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("kind", ["one-panel-dress", "top-pants", "shirt"])
 def test_a_pattern_is_all_right_against_itself(mode, kind):
-    pattern = draft(kind)
+    pattern = draft_pattern(kind)
     found = slots_of(pattern, ["another", *(panel.name for panel in pattern.panels)], 20)
     told = published_figures([found], [found], mode)
     for name, value in told.items():
@@ -126,14 +126,14 @@ def test_tags_pair_the_closest_edges_first():
 
 
 def test_the_universal_translation_is_the_highest_side():
-    panel = draft("top-pants").by_name["front"]
+    panel = draft_pattern("top-pants").by_name["front"]
     corners = np.array(panel.outline.vertices)
     world = universal_translation(panel)
     assert world[1] == pytest.approx(panel.to_world(corners)[:, 1].max(), abs=1e-6)
 
 
 def test_what_slots_do_not_have_is_told():
-    pattern = draft("top-pants")
+    pattern = draft_pattern("top-pants")
     with pytest.raises(PatternError, match="is in none of the slots"):
         slots_of(pattern, ["front"])
     holed = load_pattern(example_path("cutout_top"))
@@ -144,7 +144,7 @@ def test_what_slots_do_not_have_is_told():
 
 
 def test_batches_that_do_not_fit_are_refused():
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     names = [panel.name for panel in skirt.panels]
     one = slots_of(skirt, names)
     empty = slots_of(replace(skirt, panels=(), stitches=()), names)
@@ -162,7 +162,7 @@ def test_batches_that_do_not_fit_are_refused():
 
 
 def test_slots_and_tags_that_cannot_be_are_refused():
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     names = [panel.name for panel in skirt.panels]
     with pytest.raises(ValueError, match="names of their own"):
         slots_of(skirt, [*names, names[0]])
@@ -174,7 +174,7 @@ def test_slots_and_tags_that_cannot_be_are_refused():
 
 @pytest.mark.parametrize("kind", ["skirt", "shirt", "top-pants"])
 def test_a_garment_of_other_names_frames_and_first_edges_takes_the_slots_of_the_true_one(kind):
-    truth = draft(kind)
+    truth = draft_pattern(kind)
     names = [panel.name for panel in truth.panels]
     poses = [POSES[k % len(POSES)] for k in range(len(names))]
     drawn = tuple(posed_panel(p, pose) for p, pose in zip(truth.panels, poses, strict=True))
@@ -193,7 +193,7 @@ def test_a_garment_of_other_names_frames_and_first_edges_takes_the_slots_of_the_
 
 
 def test_a_panel_too_many_takes_a_slot_that_is_left():
-    truth, more = draft("skirt"), draft("hoodie")
+    truth, more = draft_pattern("skirt"), draft_pattern("hoodie")
     names = [panel.name for panel in truth.panels]
     spare = [f"spare {k}" for k in range(len(more.panels))]
     found = slots_of(more, [*names, *spare], 20, like=truth)

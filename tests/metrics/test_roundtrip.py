@@ -6,10 +6,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from garmentimage.compare.judge import RoundtripResult, judge
+from garmentimage.compare.judging import RoundtripResult, judge
 from garmentimage.errors import EncodeError
 from garmentimage.examples import example_path
 from garmentimage.metrics.report import report_to_json
@@ -22,12 +21,12 @@ from garmentimage.metrics.roundtrip import (
     summarise,
     summary_table,
 )
-from garmentimage.metrics.workers import Lost, map_in_processes
+from garmentimage.pattern.files.spec import read_pattern, save_pattern
 from garmentimage.pattern.model import Pattern, Side, Stitch
-from garmentimage.pattern.spec import read_pattern, save_pattern
-from garmentimage.raster import encode as encode_module
-from garmentimage.raster.decode import decode
-from garmentimage.raster.encode import encode
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.encode import encoder as encode_module
+from garmentimage.raster.encode.encoder import encode
+from garmentimage.system.processes import Lost, map_in_processes
 from tests.compare.garments import (
     GARMENTS,
     darted_skirt,

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import garmentimage as gi
-from garmentimage.draft.kinds import draft
-from garmentimage.draft.sample import sample
-from garmentimage.metrics.traits import traits
+from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.sampling import sample
+from garmentimage.metrics.shape_attributes import traits
 
 
 @settings(max_examples=20, deadline=None)
@@ -47,7 +46,7 @@ def test_lengths_follow_the_parameters_that_they_are_drafted_with(kind, paramete
     [("one-panel-dress", "flare", (0.05, 0.2, 0.45)), ("top-pants", "leg_flare", (-4, 6, 20))],
 )
 def test_a_wider_hem_is_wider(kind, parameter, values):
-    widths = [traits(draft(kind, **{parameter: value})).width for value in values]
+    widths = [traits(draft_pattern(kind, **{parameter: value})).width for value in values]
     assert widths[0] * 1.1 < widths[1] and widths[1] * 1.1 < widths[2]
 
 

@@ -2,11 +2,11 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage.errors import PatternError, StitchError
-from garmentimage.pattern.check import check_pattern, components
+from garmentimage.pattern.checks.sewable import check_pattern, components
+from garmentimage.pattern.files.spec import pattern_from_spec, read_spec
 from garmentimage.pattern.model import (
     Circle,
     Cubic,
@@ -19,7 +19,6 @@ from garmentimage.pattern.model import (
     Side,
     Stitch,
 )
-from garmentimage.pattern.spec import pattern_from_spec, read_spec
 from tests.garments import garments
 from tests.pattern.specs import panel, spec, stitch
 

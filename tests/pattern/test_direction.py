@@ -3,14 +3,13 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage import draft_pattern
-from garmentimage.compare.judge import judge
+from garmentimage.compare.judging import judge
 from garmentimage.pattern.direction import outward, turned_round
-from garmentimage.pattern.spec import read_spec
-from garmentimage.pattern.spec_writer import pattern_to_spec
+from garmentimage.pattern.files.spec import read_spec
+from garmentimage.pattern.files.spec_writer import pattern_to_spec
 
 KINDS = ("tee", "skirt", "pants", "one-panel-dress")
 

@@ -4,21 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from garmentimage.compare.judge import judge
-from garmentimage.draft.kinds import draft
-from garmentimage.drape.wear import drape
+from garmentimage.compare.judging import judge
+from garmentimage.draft.kinds import draft_pattern
+from garmentimage.drape.draping import drape_pattern
 from garmentimage.pattern.dissolve import without_stubs
 from garmentimage.pattern.model import Notch, Side
-from garmentimage.pattern.seams import STUB_CM, stubs
+from garmentimage.pattern.seam_runs import STUB_CM, stubs
 from tests.garments import garments
 from tests.strangers import doubled
 
 
 def test_a_garment_without_stubs_is_given_back():
-    tee = draft("tee")
+    tee = draft_pattern("tee")
     assert without_stubs(tee) is tee
 
 
@@ -34,7 +33,7 @@ def test_without_its_stubs_a_garment_is_what_it_was(garment, data):
 
 
 def test_notches_stay_on_their_edges():
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     name = skirt.panels[0].name
     changed = doubled(skirt, Side(name, 1), STUB_CM / 2)
     panel = replace(changed.panels[0], notches=(Notch(1, 0.5), Notch(2, 0.25)))
@@ -44,9 +43,9 @@ def test_notches_stay_on_their_edges():
 
 @pytest.mark.parametrize("kind", ["skirt", "tee", "pants"])
 def test_a_doubled_corner_does_not_change_how_a_garment_hangs(kind):
-    garment = draft(kind)
-    plain = drape(garment)
+    garment = draft_pattern(kind)
+    plain = drape_pattern(garment)
     for corner in list(garment.sides())[::5]:
-        worn = drape(doubled(garment, corner, 1e-3))
+        worn = drape_pattern(doubled(garment, corner, 1e-3))
         assert worn.report.faults == plain.report.faults == ()
         assert np.linalg.norm(worn.points.mean(axis=0) - plain.points.mean(axis=0)) < 0.5

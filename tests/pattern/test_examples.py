@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from garmentimage.examples import example_names, example_path
-from garmentimage.pattern.spec import load_pattern, read_pattern
+from garmentimage.pattern.files.spec import load_pattern, read_pattern
 
 ROOT = Path(__file__).parents[2]
 SEAM_TOL_CM = 1e-6

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from garmentimage.errors import PatternError
-from garmentimage.pattern.spec import read_pattern, save_pattern
+from garmentimage.pattern.files.spec import read_pattern, save_pattern
 from tests.corpus import corpus_folder, unpacked
 
 pytestmark = pytest.mark.corpus

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage import draft_pattern
 from garmentimage.errors import GarmentImageError
-from garmentimage.pattern.check import check_pattern
+from garmentimage.pattern.checks.placement import UNKNOWN_PLACE, placement_findings, unknown_place
+from garmentimage.pattern.checks.sewable import check_pattern
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import (
     Circle,
     Edge,
@@ -20,8 +21,6 @@ from garmentimage.pattern.model import (
     Stitch,
     euler_angles,
 )
-from garmentimage.pattern.placement_check import UNKNOWN_PLACE, placement_findings, unknown_place
-from garmentimage.pattern.spec import read_pattern
 from tests.corpus import corpus_files, corpus_sample
 
 KINDS = ("tee", "skirt", "pants", "one-panel-dress", "top-pants")

@@ -4,20 +4,20 @@ from dataclasses import replace
 
 import pytest
 
-from garmentimage.draft.kinds import draft
-from garmentimage.pattern.check import check_pattern
+from garmentimage.draft.kinds import draft_pattern
+from garmentimage.pattern.checks.sewable import check_pattern
 from garmentimage.pattern.model import Side
-from garmentimage.pattern.seams import STUB_CM, sewn_runs, stubs
+from garmentimage.pattern.seam_runs import STUB_CM, sewn_runs, stubs
 from tests.strangers import doubled, recut, traced
 
 
 def test_an_ordinary_garment_has_no_stub():
-    assert not stubs(draft("tee"))
+    assert not stubs(draft_pattern("tee"))
 
 
 @pytest.mark.parametrize("edge", range(4))
 def test_a_stub_is_neither_run_nor_gap(edge):
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     name = skirt.panels[0].name
     changed = doubled(skirt, Side(name, edge), STUB_CM / 2)
     assert stubs(changed) == {Side(name, edge)}
@@ -29,16 +29,16 @@ def test_a_stub_is_neither_run_nor_gap(edge):
 
 
 def test_an_edge_of_two_millimetres_and_more_is_meant():
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     assert not stubs(doubled(skirt, Side(skirt.panels[0].name, 0), 1.01 * STUB_CM))
 
 
 def test_short_edges_that_make_a_long_seam_are_no_stubs():
-    assert not stubs(traced(draft("tee"), STUB_CM / 2))
+    assert not stubs(traced(draft_pattern("tee"), STUB_CM / 2))
 
 
 def test_a_short_edge_that_is_sewn_to_a_long_one_is_no_stub():
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     stitch = skirt.stitches[0]
 
     def cut(side, curve):
@@ -54,7 +54,7 @@ def test_a_short_edge_that_is_sewn_to_a_long_one_is_no_stub():
 
 
 def test_a_panel_of_short_edges_alone_keeps_them():
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     panel = skirt.panels[0]
     loop = panel.outline
     small = tuple((x * 1e-3, y * 1e-3) for x, y in loop.vertices)
@@ -63,7 +63,7 @@ def test_a_panel_of_short_edges_alone_keeps_them():
 
 
 def test_check_names_a_stub():
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     name = skirt.panels[0].name
     (finding,) = check_pattern(doubled(skirt, Side(name, 1), 0.001))
     assert "edge 1 is shorter than" in str(finding) and name in str(finding)

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage.errors import (
     GarmentImageError,
@@ -16,8 +15,7 @@ from garmentimage.errors import (
     PatternWarning,
     StitchError,
 )
-from garmentimage.pattern.model import Circle, Cubic, Notch, Quadratic, Side, rotation_matrix
-from garmentimage.pattern.spec import (
+from garmentimage.pattern.files.spec import (
     load_pattern,
     pattern_from_spec,
     pattern_to_spec,
@@ -25,6 +23,7 @@ from garmentimage.pattern.spec import (
     read_spec,
     save_pattern,
 )
+from garmentimage.pattern.model import Circle, Cubic, Notch, Quadratic, Side, rotation_matrix
 from tests.garments import garments
 from tests.pattern.specs import edges, one_panel, panel, spec, stitch, written
 

@@ -3,13 +3,12 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage.geometry.curves import Arc
+from garmentimage.pattern.files.spec import pattern_from_spec
+from garmentimage.pattern.files.svg import lay_out, pattern_to_svg, save_svg
 from garmentimage.pattern.model import Circle, Side
-from garmentimage.pattern.spec import pattern_from_spec
-from garmentimage.pattern.svg import lay_out, pattern_to_svg, save_svg
 from tests.garments import garments
 from tests.pattern.specs import one_panel, panel, spec
 

@@ -10,13 +10,13 @@ import torch
 from PIL import Image
 
 from garmentimage import load_pattern
-from garmentimage.cli import main
+from garmentimage.cli.app import main
 from garmentimage.errors import LearnError
-from garmentimage.learn.cascade import PAPER, Cascade
+from garmentimage.learn.data.images import Album, read_album
 from garmentimage.learn.export import export_cascade
-from garmentimage.learn.pictured import Album, read_album
-from garmentimage.predict.network import PatternPredictor, certainty, doubts_of
+from garmentimage.learn.models.cascade import PAPER, Cascade
 from garmentimage.predict.photo import Photo, read_photo
+from garmentimage.predict.predictor import PatternPredictor, certainty, doubts_of
 
 pytestmark = pytest.mark.slow
 

@@ -3,7 +3,7 @@
 import pytest
 
 from garmentimage.examples import example_picture
-from garmentimage.predict.network import PatternPredictor, predictor_names
+from garmentimage.predict.predictor import PatternPredictor, predictor_names
 
 MOST_BYTES = 10_000_000
 

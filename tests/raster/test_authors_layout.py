@@ -11,7 +11,7 @@ from hypothesis import given, settings
 
 from garmentimage import EncodeError, decode, encode, save_image
 from garmentimage.compare.matching import panel_region
-from garmentimage.pattern.spec import read_pattern
+from garmentimage.pattern.files.spec import read_pattern
 from tests.corpus import corpus_sample
 from tests.garments import garments
 

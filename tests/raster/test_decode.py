@@ -2,22 +2,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from shapely.geometry import Polygon
 
-from garmentimage.compare.judge import judge
+from garmentimage.compare.judging import judge
 from garmentimage.errors import DecodeError, GarmentImageError, ImageError
 from garmentimage.examples import example_path
 from garmentimage.geometry.polygons import centroid
-from garmentimage.pattern.check import check_pattern
-from garmentimage.pattern.spec import read_pattern
+from garmentimage.pattern.checks.sewable import check_pattern
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.raster.cells import cell_mesh
-from garmentimage.raster.decode import decode, unfold_cells
-from garmentimage.raster.encode import encode
+from garmentimage.raster.decode.decoder import decode, unfold_cells
+from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType, GarmentImage, PanelMark
-from garmentimage.raster.repair import LEVELS, repair
+from garmentimage.raster.repair.repairer import LEVELS, repair
 from tests.corpus import corpus_sample
 from tests.garments import garments
 from tests.raster.boards import CELL_CM, board, with_types

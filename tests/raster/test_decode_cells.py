@@ -1,6 +1,5 @@
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage.raster.cells import cell_mesh, half_edges, label_panels
 from garmentimage.raster.image import EdgeType

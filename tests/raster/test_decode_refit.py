@@ -2,11 +2,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from garmentimage.geometry.curves import Arc, Bezier, Line
-from garmentimage.raster.refit import cut_run, fit_curve
+from garmentimage.raster.decode.curve_fit import cut_run, fit_curve
 
 SHARES = st.floats(0.25, 0.75)
 BENDS = st.floats(-0.4, 0.4)

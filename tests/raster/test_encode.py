@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from garmentimage import (
     EncodeError,
@@ -16,7 +15,7 @@ from garmentimage import (
     save_image,
     save_pattern,
 )
-from garmentimage.compare.judge import judge
+from garmentimage.compare.judging import judge
 from garmentimage.examples import example_path
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch, loop_from_curves

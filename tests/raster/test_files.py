@@ -8,11 +8,10 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from garmentimage.errors import ImageError, OutputError
-from garmentimage.raster.channel_order import AUTHORS_CELL_CM
+from garmentimage.raster.channels import AUTHORS_CELL_CM
 from garmentimage.raster.files import load_channels, load_image, save_image
 from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
 from tests.images import images

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from garmentimage.compare import stitch_graph
 from garmentimage.compare.topology import topology_word
-from garmentimage.draft.kinds import draft
+from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import DecodeError
-from garmentimage.metrics import stitch_graph
-from garmentimage.raster.decode import decode
-from garmentimage.raster.encode import encode
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.image import LEFT, EdgeType
-from garmentimage.raster.walls import without_flaps
+from garmentimage.raster.repair.walls import without_flaps
 
-DRESS = encode(draft("one-panel-dress"), 16)
+DRESS = encode(draft_pattern("one-panel-dress"), 16)
 
 
 def with_flap(kind: EdgeType, length: int):
@@ -42,5 +42,5 @@ def test_a_cut_without_opening_is_left_out(kind, length):
 
 def test_images_without_such_cuts_stay():
     for kind in ("one-panel-jumpsuit", "top-pants", "shirt", "hoodie"):
-        image = encode(draft(kind), 16)
+        image = encode(draft_pattern(kind), 16)
         assert without_flaps(image) == (image, 0)

@@ -5,17 +5,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from garmentimage import decode, encode, load_pattern
-from garmentimage.compare.judge import judge
-from garmentimage.draft.kinds import draft, kinds
+from garmentimage.compare.judging import judge
+from garmentimage.draft.kinds import draft_pattern, kinds
 from garmentimage.examples import example_names, example_path
 from garmentimage.geometry.curves import Bezier, Line
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
-from garmentimage.pattern.seams import STUB_CM
-from garmentimage.raster.joints import Joints, find_joints
+from garmentimage.pattern.seam_runs import STUB_CM
+from garmentimage.raster.encode.joints import Joints, find_joints
 from tests.strangers import doubled, moved, recut, traced
 
 slowly = settings(max_examples=8, suppress_health_check=list(HealthCheck), deadline=None)
@@ -24,7 +23,7 @@ SPLIT = ("hoodie", "jacket")
 
 
 def drafts():
-    return st.sampled_from([draft(kind) for kind in kinds() if kind not in SPLIT])
+    return st.sampled_from([draft_pattern(kind) for kind in kinds() if kind not in SPLIT])
 
 
 def sides(pattern):
@@ -52,7 +51,7 @@ def test_a_traced_garment_is_the_garment(garment, step):
 
 
 def test_a_traced_garment_comes_back_with_its_own_vertices():
-    changed = traced(draft("tee"), 0.3)
+    changed = traced(draft_pattern("tee"), 0.3)
     decoded = decode(encode(changed))
     assert len(decoded.stitches) == len(changed.stitches)
     for panel in changed.panels:
@@ -64,21 +63,21 @@ def test_a_traced_garment_comes_back_with_its_own_vertices():
 
 
 def test_without_marks_a_traced_garment_has_few_edges():
-    decoded = decode(encode(traced(draft("tee"), 0.5)).without_marks())
+    decoded = decode(encode(traced(draft_pattern("tee"), 0.5)).without_marks())
     assert max(len(panel.edges) for panel in decoded.panels) < 16
 
 
 def test_divisions_of_a_traced_garment_with_other_marks_are_left_out():
     """Marks may come from another image (`from_channels(like=...)`): they divide what is there."""
-    image = encode(traced(draft("tee"), 1.0))
-    other = replace(encode(draft("skirt")), marks=image.marks)
-    assert judge(draft("skirt"), decode(other.without_marks())).reasons == ()
+    image = encode(traced(draft_pattern("tee"), 1.0))
+    other = replace(encode(draft_pattern("skirt")), marks=image.marks)
+    assert judge(draft_pattern("skirt"), decode(other.without_marks())).reasons == ()
     assert len(decode(other).panels) == 4
 
 
 @pytest.mark.parametrize("name", [*kinds(), *example_names()])
 def test_an_ordinary_pattern_has_no_joint_to_open(name):
-    pattern = load_pattern(example_path(name)) if name in example_names() else draft(name)
+    pattern = load_pattern(example_path(name)) if name in example_names() else draft_pattern(name)
     assert find_joints(pattern) == Joints(frozenset(), frozenset(), ())
 
 
@@ -118,7 +117,9 @@ def apexes(pattern, panel):
 
 def test_outlines_that_zigzag_keep_their_corners():
     rng = np.random.default_rng(0)
-    rough = moved(traced(draft("skirt"), 3.0), lambda p: p + rng.uniform(-0.8, 0.8, p.shape))
+    rough = moved(
+        traced(draft_pattern("skirt"), 3.0), lambda p: p + rng.uniform(-0.8, 0.8, p.shape)
+    )
     opened = find_joints(rough).open
     assert len(opened) < 0.5 * sum(len(panel.edges) for panel in rough.panels)
 
@@ -165,7 +166,7 @@ def test_smooth_bezier_parts_are_joined_like_chords():
             parts.append((part, True))
         return [*parts, (curve, True)]
 
-    skirt = draft("skirt")
+    skirt = draft_pattern("skirt")
     changed = recut(skirt, cut)
     assert any(isinstance(c, Bezier) for p in changed.panels for c in p.curves)
     assert judge(changed, decode(encode(changed))).reasons == ()

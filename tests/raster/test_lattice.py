@@ -7,22 +7,22 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from garmentimage import EncodeError
-from garmentimage.draft.kinds import draft
+from garmentimage.draft.kinds import draft_pattern
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
-from garmentimage.raster.attempts import lattice_paths
-from garmentimage.raster.canonical import canonical
-from garmentimage.raster.compact import compact
-from garmentimage.raster.complex import seam_complex
-from garmentimage.raster.deform import deform_quad_mesh
-from garmentimage.raster.drawing import drawing_of, joined_links, with_links
+from garmentimage.raster.encode.deform import deform_quad_mesh
+from garmentimage.raster.encode.lattice.attempts import lattice_paths
+from garmentimage.raster.encode.lattice.canonical import canonical
+from garmentimage.raster.encode.lattice.compact import compact
+from garmentimage.raster.encode.lattice.drawing import drawing_of, joined_links, with_links
+from garmentimage.raster.encode.lattice.polish import polish
+from garmentimage.raster.encode.lattice.rotation import departures
+from garmentimage.raster.encode.lattice.route import route
+from garmentimage.raster.encode.lattice.symmetry import find_mirror, halve
+from garmentimage.raster.encode.layout.seam_graph import seam_complex
+from garmentimage.raster.encode.layout.solve import layouts
+from garmentimage.raster.encode.placement import place
 from garmentimage.raster.frame import BodyFrame
-from garmentimage.raster.layout import layouts
-from garmentimage.raster.place import place
-from garmentimage.raster.polish import polish
-from garmentimage.raster.rotation import departures
-from garmentimage.raster.route import route
-from garmentimage.raster.symmetry import find_mirror, halve
 from tests.garments import garments
 
 slowly = settings(max_examples=12, suppress_health_check=list(HealthCheck))
@@ -116,7 +116,7 @@ def test_panels_far_off_the_body_are_refused_by_their_spread():
 @pytest.mark.parametrize("arc", range(6))
 def test_an_arc_without_length_is_drawn_inside_the_grid(arc):
     """Its vertices once had no weight and so no place: numbers that are none became indices."""
-    drawing = plain_drawing(draft("tee"))
+    drawing = plain_drawing(draft_pattern("tee"))
     curves, nodes = list(drawing.curves), drawing.node_target.copy()
     curves[arc] = np.repeat(curves[arc][:1], len(curves[arc]), axis=0)
     nodes[drawing.head[arc]] = nodes[drawing.tail[arc]]
@@ -127,7 +127,7 @@ def test_an_arc_without_length_is_drawn_inside_the_grid(arc):
 
 
 def test_a_garment_without_a_place_is_refused():
-    drawing = plain_drawing(draft("tee"))
+    drawing = plain_drawing(draft_pattern("tee"))
     lost = tuple(curve * np.nan for curve in drawing.curves)
     with pytest.raises(EncodeError, match="no place on the grid"):
         route(replace(drawing, curves=lost), FINE, 5.0)

@@ -5,16 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from garmentimage import EncodeError
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.spec import read_pattern
-from garmentimage.raster.complex import seam_complex
-from garmentimage.raster.layout import FIRST, MOST_ARCS, layouts
-from garmentimage.raster.place import place
-from garmentimage.raster.relax import one_sided_forces
+from garmentimage.raster.encode.layout.relax import one_sided_forces
+from garmentimage.raster.encode.layout.seam_graph import seam_complex
+from garmentimage.raster.encode.layout.solve import FIRST, MOST_ARCS, layouts
+from garmentimage.raster.encode.placement import place
 from tests.corpus import corpus_sample
 from tests.garments import designs, garment, garments
 from tests.raster.mirror import mirrored_pattern

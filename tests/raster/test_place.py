@@ -8,11 +8,12 @@ from hypothesis import given, settings
 
 from garmentimage import EncodeError
 from garmentimage.geometry.polygons import polyline_length, signed_area
+from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern, loop_from_curves
-from garmentimage.pattern.spec import read_pattern
-from garmentimage.raster.complex import seam_complex
+from garmentimage.pattern.placement import PELVIS_HEIGHT, floor_shift
+from garmentimage.raster.encode.layout.seam_graph import seam_complex
+from garmentimage.raster.encode.placement import place
 from garmentimage.raster.image import EdgeType
-from garmentimage.raster.place import PELVIS_HEIGHT, floor_shift, place
 from tests.corpus import corpus_sample
 from tests.garments import garments
 from tests.raster.panels import (

@@ -5,14 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from garmentimage import EncodeError, GarmentImageError, decode, encode, load_pattern
-from garmentimage.compare.judge import judge
+from garmentimage.compare.judging import judge
 from garmentimage.compare.likely import surely_same
-from garmentimage.compare.stitch_graph import stitch_graph
-from garmentimage.draft.kinds import draft
+from garmentimage.compare.stitch_graphs import stitch_graph
+from garmentimage.draft.kinds import draft_pattern
 from garmentimage.examples import example_path
 from garmentimage.geometry.curves import Bezier, Line
 from garmentimage.geometry.polygons import polyline_length
@@ -27,8 +26,8 @@ from garmentimage.pattern.model import (
     Stitch,
     loop_from_curves,
 )
-from garmentimage.raster import encode as encode_module
-from garmentimage.raster.proof import Disproof, bowed, disproof, lengthening
+from garmentimage.raster.encode import encoder as encode_module
+from garmentimage.raster.encode.proof import Disproof, bowed, disproof, lengthening
 from tests.compare.garments import transformed_panel, without_stitch
 from tests.corpus import unpacked
 from tests.garments import garments
@@ -84,7 +83,7 @@ def test_a_garment_is_surely_itself(garment):
 
 
 def test_what_does_not_come_back_is_named():
-    garment = draft("skirt")
+    garment = draft_pattern("skirt")
     graph, image = stitch_graph(garment), encode(garment)
     assert disproof(garment, graph, image) == Disproof()
     deformation = image.deformation * np.where(image.layer_names == "back", 1.0, 1.1)
@@ -96,7 +95,7 @@ def test_what_does_not_come_back_is_named():
 
 
 def test_an_image_that_is_disproven_is_not_given(monkeypatch):
-    garment = draft("skirt")
+    garment = draft_pattern("skirt")
     refuse = Disproof("its image does not bring it back: panel 'front' comes back with IoU 0.1")
     monkeypatch.setattr(encode_module, "disproof", lambda *_: refuse)
     with pytest.raises(EncodeError, match=r"panel 'front' comes back with IoU 0.1"):

@@ -2,18 +2,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, reject, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, reject, settings, strategies as st
 
-from garmentimage.cli import main
+from garmentimage.cli.app import main
 from garmentimage.draft.kinds import KINDS
-from garmentimage.draft.sample import ANY_BODY, sample
+from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.errors import EncodeError, ImageError
 from garmentimage.raster.channel_kind import CHANNEL_KINDS
-from garmentimage.raster.encode import encode
+from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType, GarmentImage
-from garmentimage.raster.repair import LEVELS, repair
-from garmentimage.raster.walls import RARE_COST
+from garmentimage.raster.repair.repairer import LEVELS, repair
+from garmentimage.raster.repair.walls import RARE_COST
 from tests.garments import garments
 from tests.raster.boards import board, with_types
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import garmentimage as gi
-from garmentimage.metrics.likeness import likeness
-from garmentimage.raster.repair import LEVELS
+from garmentimage.metrics.similarity import likeness
+from garmentimage.raster.repair.repairer import LEVELS
 from tests.corpus import unpacked
 
 pytestmark = pytest.mark.corpus

@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from garmentimage import decode, encode
-from garmentimage.compare.judge import judge
+from garmentimage.compare.judging import judge
 from garmentimage.geometry.curves import Arc, Line
 from garmentimage.geometry.polygons import polyline_length
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
-from garmentimage.raster.complex import seam_complex
-from garmentimage.raster.layout import FIRST, layouts
-from garmentimage.raster.place import place
-from garmentimage.raster.unroll import WIDEST, unrolled
+from garmentimage.raster.encode.layout.seam_graph import seam_complex
+from garmentimage.raster.encode.layout.solve import FIRST, layouts
+from garmentimage.raster.encode.layout.unbend import WIDEST, unrolled
+from garmentimage.raster.encode.placement import place
 from tests.raster.panels import BACK, BOTTOM, LEFT, RIGHT, rectangle, stitch
 
 WAIST = 36.0

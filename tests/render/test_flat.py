@@ -12,8 +12,8 @@ from matplotlib.transforms import Affine2D
 from garmentimage import load_pattern
 from garmentimage.examples import example_names, example_path
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch
-from garmentimage.render.arrange import WORN_LIMIT, arrange, bounds
-from garmentimage.render.flat import draw_pattern, seam_numbers
+from garmentimage.render.flat.arrangement import WORN_LIMIT, arrange, bounds
+from garmentimage.render.flat.drawing import draw_pattern, seam_numbers
 from tests.garments import garments
 
 HALF_A_NUMBER = 7.0

@@ -12,8 +12,8 @@ from garmentimage import load_pattern
 from garmentimage.errors import OutputError
 from garmentimage.examples import example_names, example_path
 from garmentimage.raster.image import EdgeType
-from garmentimage.render.raster import draw_cells, draw_image
-from garmentimage.render.show import compose, show
+from garmentimage.render.flat.garment_image import draw_cells, draw_image
+from garmentimage.render.showing import compose, show
 from garmentimage.render.style import TYPE_COLOURS, printable
 from tests.raster.test_image import one_cell
 
@@ -76,7 +76,7 @@ def test_another_ending_is_refused(name, tmp_path):
 def test_pyplot_stays_out():
     code = (
         "import sys; from garmentimage import load_pattern; "
-        "from garmentimage.render.show import compose; "
+        "from garmentimage.render.showing import compose; "
         f"compose([load_pattern({str(example_path('dress'))!r})]); "
         "assert 'matplotlib.pyplot' not in sys.modules"
     )

@@ -12,22 +12,22 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import OutputError, RenderError
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
-from garmentimage.render.background import gradient, plain
-from garmentimage.render.camera import ORTHOGRAPHIC_DISTANCE, VIEWS, Camera
-from garmentimage.render.light import FLAT, Light
-from garmentimage.render.look import Look, photograph
 from garmentimage.render.png import contact_sheet, png_bytes, save_png
-from garmentimage.render.prints import Print, checks, dots, noise, picture_print, stripes
-from garmentimage.render.shade import NO_SURFACE
-from garmentimage.render.surface import (
+from garmentimage.render.worn.background import gradient, plain
+from garmentimage.render.worn.camera import ORTHOGRAPHIC_DISTANCE, VIEWS, Camera
+from garmentimage.render.worn.light import FLAT, Light
+from garmentimage.render.worn.look import Look, photograph
+from garmentimage.render.worn.photographing import body_camera, picture
+from garmentimage.render.worn.prints import Print, checks, dots, noise, picture_print, stripes
+from garmentimage.render.worn.shade import NO_SURFACE
+from garmentimage.render.worn.surface import (
     Surface,
     body_surface,
     panel_groups,
     surfaces_of,
     vertex_normals,
 )
-from garmentimage.render.tint import encoded, linear, rgb
-from garmentimage.render.worn import body_camera, picture
+from garmentimage.render.worn.tint import encoded, linear, rgb
 
 CAMERA = Camera((0.0, 0.0, 0.0), 40.0)
 RED, GREEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)

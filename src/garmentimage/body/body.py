@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.body.measurements import check_body_name
+from garmentimage.body.body_measurements import check_body_name
 from garmentimage.errors import DraftError, quoted
 
 POSES = {"t": "arms stretched out sideways", "a": "arms 45 degrees down"}

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.body.body import Body
-from garmentimage.body.measurements import BodyMeasurements
+from garmentimage.body.body_measurements import BodyMeasurements
 
 HIP_RANGE = (0.25, 0.75)
 """Share of the way from crotch to waist in which the seat stands out most."""

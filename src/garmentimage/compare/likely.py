@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from garmentimage.compare.judge import SUCCESS_IOU
-from garmentimage.compare.stitch_graph import StitchGraph, match_graphs
-from garmentimage.compare.validity import stitch_faults
-from garmentimage.geometry.polygons import centroid, signed_area
-from garmentimage.pattern.model import Panel, Pattern
+from garmentimage.compare.judging import SUCCESS_IOU
+from garmentimage.compare.stitch_graphs import StitchGraph, match_graphs
+from garmentimage.compare.validation import stitch_faults
+from garmentimage.geometry import centroid, signed_area
+from garmentimage.pattern import Panel, Pattern
 
 if TYPE_CHECKING:
     from shapely import Polygon

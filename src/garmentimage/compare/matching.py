@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.geometry.curves import Curve
-from garmentimage.geometry.polygons import resample
-from garmentimage.pattern.model import Loop, Panel, Pattern
+from garmentimage.geometry import Curve, resample
+from garmentimage.pattern import Loop, Panel, Pattern
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry

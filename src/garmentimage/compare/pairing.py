@@ -22,8 +22,8 @@ from garmentimage.compare.matching import (
     matching_from,
     nearness,
 )
-from garmentimage.compare.stitch_graph import StitchGraph, match_graphs, stitch_graph
-from garmentimage.pattern.model import (
+from garmentimage.compare.stitch_graphs import StitchGraph, match_graphs, stitch_graph
+from garmentimage.pattern import (
     Circle,
     Cubic,
     Curvature,

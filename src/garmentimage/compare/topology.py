@@ -3,7 +3,7 @@
 import hashlib
 from collections import Counter, defaultdict
 
-from garmentimage.compare.stitch_graph import StitchGraph
+from garmentimage.compare.stitch_graphs import StitchGraph
 
 ROUNDS = 4
 """How far from a panel the word sees; no garment has longer chains of panels that look alike."""

@@ -3,7 +3,7 @@
 from typing import Any
 
 from garmentimage.dataset.recipe import Recipe
-from garmentimage.provenance import source_commit, versions
+from garmentimage.system import source_commit, versions
 
 COLUMNS = {
     "id": "name of the row",
@@ -24,7 +24,7 @@ PANELS = (
 )
 
 
-def card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
+def dataset_card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
     """The README.md of a dataset, with the metadata that `datasets` reads."""
     splits = "".join(
         f"  - split: {split}\n    path: data/{split}-*.parquet\n" for split in summary["splits"]
@@ -67,7 +67,7 @@ rows = datasets.load_dataset("FOLDER")["train"].with_format("numpy")
 {_lines(types)}
 
 {_lines([*head, *failed, ""] if failed else [])}
-Made by `{command or "garmentimage.dataset.build"}`, recipe version {recipe.version}, seed \
+Made by `{command or "garmentimage.dataset.building"}`, recipe version {recipe.version}, seed \
 {summary["seed"]}, N = {summary["grid"]}, with \
 {", ".join([*versions("pyarrow"), *([f"commit {commit}"] if commit else [])])}.
 The same command makes the same rows again; `summary.json` has the sha256 of every shard.

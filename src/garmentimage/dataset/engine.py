@@ -11,7 +11,7 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from garmentimage.errors import DatasetError, quoted
-from garmentimage.interrupts import ctrl_c_held
+from garmentimage.system import ctrl_c_held
 
 WAITING = 2
 """Pieces of work that each worker has before it, at most."""

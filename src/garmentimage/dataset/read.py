@@ -10,14 +10,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from jaxtyping import Float32
 
-from garmentimage.dataset.build import DATA
+from garmentimage.dataset.building import DATA
 from garmentimage.dataset.recipe import SPLITS
 from garmentimage.dataset.shard import ShardFacts, shard_facts
 from garmentimage.errors import DatasetError, quoted
-from garmentimage.files import shown_path
-from garmentimage.pattern.model import Pattern
-from garmentimage.pattern.spec import pattern_from_spec
-from garmentimage.raster.image import CHANNELS_PER_LAYER
+from garmentimage.pattern import Pattern
+from garmentimage.pattern.files import pattern_from_spec
+from garmentimage.raster import CHANNELS_PER_LAYER
+from garmentimage.system import shown_path
 
 
 def shard_files(folder: str | Path, split: str | None = None) -> list[Path]:

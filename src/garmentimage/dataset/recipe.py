@@ -19,14 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.body.measurements import presets
-from garmentimage.draft.kinds import KINDS
-from garmentimage.draft.parameters import Value, checked_values, near
-from garmentimage.drape.fabric import FABRICS
+from garmentimage.body import presets
+from garmentimage.draft import KINDS, Value, checked_values, near
+from garmentimage.drape import FABRICS
 from garmentimage.errors import DatasetError, GarmentImageError, quoted
-from garmentimage.render.camera import VIEWS
-from garmentimage.render.look import Look
-from garmentimage.render.tint import Tint, rgb
+from garmentimage.render.worn import VIEWS, Look, Tint, rgb
 
 SPLITS = ("train", "validation", "test", "unseen")
 SHARES = (0.9, 0.05, 0.05)
@@ -111,7 +108,7 @@ def recipe_names() -> tuple[str, ...]:
 
 
 @cache
-def recipe(name: str) -> Recipe:
+def load_recipe(name: str) -> Recipe:
     """A recipe that comes with the package.
 
     Raises:

@@ -12,18 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.body.stance import wearer
+from garmentimage.body import wearer
 from garmentimage.dataset.caption import captions
 from garmentimage.dataset.recipe import GarmentType, Recipe
-from garmentimage.draft.sample import Sample, sample
-from garmentimage.drape.wear import drape
-from garmentimage.drape.worn import Worn
+from garmentimage.draft import Sample, sample
+from garmentimage.drape import Worn, drape_pattern
 from garmentimage.errors import DatasetError, GarmentImageError, quoted
-from garmentimage.pattern.spec_writer import pattern_to_spec
+from garmentimage.pattern.files import pattern_to_spec
 from garmentimage.raster.encode import encode
-from garmentimage.render.look import Look, photograph
-from garmentimage.render.maps import map_bytes
-from garmentimage.render.png import png_bytes
+from garmentimage.render import png_bytes
+from garmentimage.render.worn import Look, map_bytes, photograph
 
 SCHEMA = 2
 """Version of what a shard holds, and its rows."""
@@ -80,7 +78,7 @@ class Failed:
 
     row_id: str
     stage: str
-    """`draft`, `encode` or `drape`."""
+    """`draft`, `encode` or `drape_pattern`."""
     reason: str
 
 
@@ -105,7 +103,7 @@ def make_row(task: Task) -> dict[str, Any] | Failed:
         row["raster"] = channels.reshape(image.layers, -1, task.grid, task.grid)
         stage = "drape"
         if recipe.views:
-            worn = drape(garment.pattern, wearer(body), fabric=fabric)
+            worn = drape_pattern(garment.pattern, wearer(body), fabric=fabric)
             if worn.report.faults:
                 return Failed(task.row_id, stage, "; ".join(worn.report.faults))
             row |= _pictures(task, worn)

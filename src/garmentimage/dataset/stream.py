@@ -18,9 +18,9 @@ from garmentimage.dataset.read import (
     row_groups,
     shard_files,
 )
-from garmentimage.draft.parameters import near
+from garmentimage.draft import near
 from garmentimage.errors import DatasetError, quoted
-from garmentimage.files import shown_path
+from garmentimage.system import shown_path
 
 
 class RowStream(IterableDataset):

@@ -1,1 +1,5 @@
 """Patterns made from measurements, designs and templates."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,8 +10,8 @@ from itertools import accumulate, islice, pairwise
 
 from garmentimage.draft.curves import lengths_of
 from garmentimage.draft.panel import EdgeRef, PanelDraft, Seam
-from garmentimage.geometry.curves import Curve
-from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
+from garmentimage.geometry import Curve
+from garmentimage.pattern import Panel, Pattern, Side, Stitch, loop_from_curves
 
 SEAM_TOL = 0.01
 """Seams that are sewn flat are equally long within this [cm]."""

@@ -11,7 +11,7 @@ from math import comb, hypot
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.geometry.curves import Bezier, Curve, Point
+from garmentimage.geometry import Bezier, Curve, Point
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _CHORDS = 16

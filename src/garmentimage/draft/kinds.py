@@ -5,36 +5,37 @@ from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Any
 
-from garmentimage.body.measurements import BodyMeasurements, measurements
+from garmentimage.body import BodyMeasurements, measurements
 from garmentimage.draft import rules
 from garmentimage.draft.assemble import Assembly
-from garmentimage.draft.bodice import (
+from garmentimage.draft.panel import BACK, FACINGS, FRONT, SIDES, PanelDraft, Seam
+from garmentimage.draft.parameters import Parameter, Value, checked_values, near, parameters_of
+from garmentimage.draft.parts import (
     BelowWaist,
     Block,
     BodiceDesign,
+    CuffDesign,
     CutoutDesign,
+    DartDesign,
     HemDesign,
+    HoodDesign,
     NeckDesign,
+    SkirtDesign,
+    SleeveDesign,
+    TrousersDesign,
+    WaistbandDesign,
+    add_hood,
+    add_skirt,
+    add_sleeves,
+    add_trousers,
+    add_waistband,
     below_waist,
+    legs_below_waist,
     to_waist,
     trunk,
 )
-from garmentimage.draft.darts import DartDesign
-from garmentimage.draft.hood import HoodDesign, add_hood
-from garmentimage.draft.panel import BACK, FACINGS, FRONT, SIDES, PanelDraft, Seam
-from garmentimage.draft.parameters import (
-    Parameter,
-    Value,
-    checked_values,
-    near,
-    parameters_of,
-)
-from garmentimage.draft.skirt import SkirtDesign, add_skirt
-from garmentimage.draft.sleeve import CuffDesign, SleeveDesign, add_sleeves
-from garmentimage.draft.trousers import TrousersDesign, add_trousers, legs_below_waist
-from garmentimage.draft.waistband import WaistbandDesign, add_waistband
 from garmentimage.errors import DraftError, check_type, quoted
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern import Pattern
 
 DEFAULT_BODY = "mean-female"
 DART_LABELS = ("waist_dart_1", "waist_dart_2", "side_dart")
@@ -95,7 +96,9 @@ class Kind:
         return garment.pattern(self.name)
 
 
-def draft(kind: str, body: str | BodyMeasurements = DEFAULT_BODY, **parameters: Value) -> Pattern:
+def draft_pattern(
+    kind: str, body: str | BodyMeasurements = DEFAULT_BODY, **parameters: Value
+) -> Pattern:
     """Draft a garment.
 
     Args:

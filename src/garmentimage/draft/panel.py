@@ -14,10 +14,10 @@ from itertools import pairwise
 from math import hypot
 from typing import NamedTuple
 
-from garmentimage.body.measurements import BodyMeasurements
+from garmentimage.body import BodyMeasurements
 from garmentimage.draft.curves import length_of
-from garmentimage.geometry.curves import Bezier, Curve, Line, Point
-from garmentimage.pattern.model import Loop, Vector
+from garmentimage.geometry import Bezier, Curve, Line, Point
+from garmentimage.pattern import Loop, Vector
 
 FRONT, BACK = "front", "back"
 LEFT, RIGHT = "left", "right"

@@ -6,8 +6,7 @@ from itertools import islice
 from garmentimage.draft.curves import chain_polygons
 from garmentimage.draft.panel import PanelDraft
 from garmentimage.errors import DraftError
-from garmentimage.geometry.curves import Curve
-from garmentimage.geometry.polygons import signed_area
+from garmentimage.geometry import Curve, signed_area
 
 HEAD_STRETCH = 1.3
 """How far a neckline stretches to let the head through; ribbed and bias edges do so easily."""
@@ -62,7 +61,7 @@ def check_thigh(width: float, thigh_girth: float) -> None:
 
 def check_outlines(panels: Sequence[PanelDraft]) -> None:
     """Refuse a panel that cannot be cut: its loops touch, or it runs clockwise."""
-    from garmentimage.geometry.crossings import touching_sides
+    from garmentimage.geometry import touching_sides
 
     polygons = iter(chain_polygons([chain for panel in panels for chain in _chains(panel)]))
     for panel in panels:

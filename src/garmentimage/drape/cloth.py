@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.pattern.model import Pattern, Side
+from garmentimage.pattern import Pattern, Side
 
 
 @dataclass(frozen=True, eq=False)

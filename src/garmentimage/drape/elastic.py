@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from garmentimage.drape.items import Item
-from garmentimage.drape.rest import Rest
+from garmentimage.drape.components import Item
+from garmentimage.drape.mesh import Rest
 
 
 def drawn_together(rest: Rest, items: Sequence[Item]) -> Rest:

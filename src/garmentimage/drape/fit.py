@@ -12,17 +12,13 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.body.body import Body, load_body
-from garmentimage.body.measure import girth, outline_at
-from garmentimage.body.stance import stand_straight
+from garmentimage.body import Body, girth, load_body, outline_at, stand_straight
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.held import Held
 from garmentimage.drape.mesh import mesh
-from garmentimage.drape.stand import standing
-from garmentimage.drape.start import start_points
+from garmentimage.drape.start import standing, start_points
+from garmentimage.drape.support import Held
 from garmentimage.errors import DrapeError, quoted
-from garmentimage.pattern.dissolve import without_stubs
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern import Pattern, without_stubs
 
 AUTO = "auto"
 """Stands for the shipped body on which a garment fits best."""

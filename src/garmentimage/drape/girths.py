@@ -5,8 +5,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.body.body import Body
-from garmentimage.body.measure import back_length, shoulder_point, taut_girth, trunk_outline
+from garmentimage.body import Body, back_length, shoulder_point, taut_girth, trunk_outline
 
 BODIES_KEPT, GIRTHS_KEPT = 16, 1024
 """Bodies whose shoulders are kept, and girths of bodies."""

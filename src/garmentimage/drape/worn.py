@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.body.body import Body
+from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
 
 

@@ -8,12 +8,13 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.compare.validity import validity
+from garmentimage.compare import validity
 from garmentimage.errors import DecodeError
-from garmentimage.explore.space import Latent, LatentSpace, Step, step_of
-from garmentimage.pattern.model import Pattern
+from garmentimage.latent import LatentSpace
+from garmentimage.networks import Latent, Step, step_of
+from garmentimage.pattern import Pattern
+from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
 from garmentimage.raster.encode import encode
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
 from garmentimage.raster.repair import RepairLevel
 
 
@@ -102,9 +103,9 @@ class VectorCodec:
     def __init__(self, folder: Path) -> None:
         import torch
 
-        from garmentimage.learn.vector_vae import VectorVAE
-        from garmentimage.learn.vectors import read_vocabulary
-        from garmentimage.learn.weights import load_weights
+        from garmentimage.learn import load_weights
+        from garmentimage.learn.data import read_vocabulary
+        from garmentimage.learn.models import VectorVAE
 
         torch.set_num_threads(1)
         self.words = read_vocabulary(folder)
@@ -114,7 +115,7 @@ class VectorCodec:
         """Latent vectors of some garments."""
         import torch
 
-        from garmentimage.learn.vectors import vectors
+        from garmentimage.learn.data import vectors
 
         with torch.no_grad():
             return self.model.encode(vectors(patterns, self.words))[0].numpy()
@@ -127,7 +128,7 @@ class VectorCodec:
         """A latent vector decoded and encoded again so many times."""
         import torch
 
-        from garmentimage.learn.vectors import Vectors
+        from garmentimage.learn.data import Vectors
 
         at = torch.from_numpy(np.asarray(z, np.float32))[None]
         with torch.no_grad():

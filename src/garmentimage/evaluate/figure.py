@@ -6,18 +6,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import UInt8
 
-from garmentimage.dataset.read import patterns_of
+from garmentimage.dataset import patterns_of
 from garmentimage.evaluate.codecs import Codec
-from garmentimage.evaluate.edits import Triplet
-from garmentimage.evaluate.guesses import Guesser, guessing
-from garmentimage.explore.space import Step
-from garmentimage.explore.strip import beside, shown, strip
-from garmentimage.explore.walk import edit
-from garmentimage.pattern.model import Pattern
+from garmentimage.evaluate.edit_triplets import Triplet
+from garmentimage.evaluate.predictors import Guesser, guessing
+from garmentimage.latent import edit
+from garmentimage.networks import Step, beside, shown, strip
+from garmentimage.pattern import Pattern
 
 if TYPE_CHECKING:
     from garmentimage.evaluate.text import Editing
-    from garmentimage.learn.pictured import Album
+    from garmentimage.learn.data import Album
 
 FIGURE_PROMPTS = ("long", "short sleeves", "dress", "pants")
 """Each asked of the first garment that it asks a change of, a new one where there is one."""

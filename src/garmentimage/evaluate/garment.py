@@ -5,14 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from garmentimage.compare.matching import loop_polygon, match_panels
-from garmentimage.compare.stitch_graph import match_graphs, stitch_graph
-from garmentimage.compare.topology import topology_word
-from garmentimage.compare.validity import structure_faults, validity
-from garmentimage.drape.wear import drape
+from garmentimage.compare import (
+    loop_polygon,
+    match_graphs,
+    match_panels,
+    stitch_graph,
+    structure_faults,
+    topology_word,
+    validity,
+)
+from garmentimage.drape import drape_pattern
 from garmentimage.errors import GarmentImageError
-from garmentimage.pattern.model import Pattern
-from garmentimage.render.look import photograph
+from garmentimage.pattern import Pattern
+from garmentimage.render.worn import photograph
 
 SILHOUETTE = 128
 """Rows and columns of a silhouette [pixel]."""
@@ -48,7 +53,7 @@ def seen(pattern: Pattern | None, fault: str = "", *, worn: bool = True) -> Seen
     if faults or not worn:
         return Seen(pattern, faults[0] if faults else "", topology, None)
     try:
-        garment = drape(pattern)
+        garment = drape_pattern(pattern)
     except GarmentImageError as error:
         return Seen(pattern, f"drape: {error}", topology, None)
     if garment.report.faults:

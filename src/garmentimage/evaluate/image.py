@@ -15,21 +15,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from garmentimage.dataset.sheet import dataset_hash
+from garmentimage.dataset import dataset_hash
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.garment import seen
-from garmentimage.evaluate.guesses import GIVEN, Guesser, guessing
+from garmentimage.evaluate.predictors import GIVEN, Guesser, guessing
 from garmentimage.evaluate.records import Records
 from garmentimage.evaluate.splits import SPLITS, check_splits, check_training
-from garmentimage.files import shown_path
-from garmentimage.metrics.intervals import interval
-from garmentimage.metrics.likeness import likeness
-from garmentimage.provenance import source_commit, weights_hash
+from garmentimage.metrics import interval, likeness
 from garmentimage.raster.repair import LEVELS
+from garmentimage.system import shown_path, source_commit, weights_hash
 
 if TYPE_CHECKING:
-    from garmentimage.learn.pictured import Album
-    from garmentimage.pattern.model import Pattern
+    from garmentimage.learn.data import Album
+    from garmentimage.pattern import Pattern
 
 SEED = 31
 TIME_LIMIT_S = 300.0
@@ -41,7 +39,7 @@ BY_TYPE = "panel_iou", "topology"
 
 
 @dataclass(frozen=True)
-class Amounts:
+class ImageAmounts:
     """How many garments are measured."""
 
     seen: int = 1000
@@ -96,11 +94,11 @@ def with_parts(guessers: Sequence[Guesser]) -> list[Guesser]:
     return found
 
 
-def evaluate(
+def evaluate_images(
     guessers: Sequence[Guesser],
     data: Path,
     folder: Path,
-    amounts: Amounts = Amounts(),
+    amounts: ImageAmounts = ImageAmounts(),
     *,
     held_out: str = "",
     validation: bool = False,
@@ -234,7 +232,7 @@ def _figures(garments: Sequence[Sequence[Mapping[str, Any]]]) -> dict[str, Any]:
 
 
 def _items(
-    guessers: Sequence[Guesser], data: str, held_out: str, amounts: Amounts, validation: bool
+    guessers: Sequence[Guesser], data: str, held_out: str, amounts: ImageAmounts, validation: bool
 ) -> list[Item]:
     items = []
     for split in SPLITS:
@@ -270,7 +268,7 @@ def _items(
 
 def has_unseen(data: str, held_out: str, validation: bool = False) -> bool:
     """Whether there are garments of types that no training had to measure on."""
-    from garmentimage.dataset.read import has_split
+    from garmentimage.dataset import has_split
 
     if held_out or validation:  # those of the split `unseen` are for no choice
         return bool(held_out)
@@ -288,8 +286,8 @@ def garments(
     data: str, split: str, held_out: str, validation: bool = False
 ) -> "tuple[Album, list[Pattern]]":
     """Garments to measure on, with their patterns: of seen types or unseen ones."""
-    from garmentimage.dataset.read import patterns_of
-    from garmentimage.learn.pictured import read_album
+    from garmentimage.dataset import patterns_of
+    from garmentimage.learn.data import read_album
 
     place = "validation" if validation else "test"
     if held_out:
@@ -302,7 +300,7 @@ def garments(
 
 @cache
 def _types(data: str) -> set[str]:
-    from garmentimage.dataset.read import facts, shard_files
+    from garmentimage.dataset import facts, shard_files
 
     return set(facts(shard_files(data, "test")[0]).types)
 

@@ -8,16 +8,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from garmentimage.metrics.kept import Touched
-from garmentimage.metrics.traits import Traits
-from garmentimage.text.asked import LONGER_CM, WIDER
-from garmentimage.text.contrast import (
+from garmentimage.metrics import Touched, Traits
+from garmentimage.text_edit import (
     LONG_CM,
     LONG_SLEEVE_CM,
+    LONGER_CM,
     NARROW_CM,
     SHORT_CM,
     SHORT_SLEEVE_CM,
     WIDE_CM,
+    WIDER,
 )
 
 

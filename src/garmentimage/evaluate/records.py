@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from garmentimage.errors import LearnError
-from garmentimage.files import shown_path, write_atomically
-from garmentimage.metrics.workers import Lost, map_in_processes
+from garmentimage.system import Lost, map_in_processes, shown_path, write_atomically
 
 RUN_FILE = "run.json"
 

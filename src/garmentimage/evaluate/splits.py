@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from garmentimage.errors import DatasetError, LearnError, quoted
-from garmentimage.evaluate.guesses import Guesser
+from garmentimage.evaluate.predictors import Guesser
 from garmentimage.evaluate.records import RUN_FILE
-from garmentimage.files import shown_path
+from garmentimage.system import shown_path
 
 SPLITS = ("test", "unseen")
 """Of a dataset: garments of types that were trained on, and of others."""
@@ -27,10 +27,9 @@ def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
     Raises:
         DatasetError: says what is in both.
     """
-    from garmentimage.dataset.recipe import recipe
-    from garmentimage.dataset.sheet import summary_of
+    from garmentimage.dataset import load_recipe, summary_of
 
-    bodies = ("body",) if recipe(summary_of(data)["recipe"]).test_bodies else ()
+    bodies = ("body",) if load_recipe(summary_of(data)["recipe"]).test_bodies else ()
     told = ("id", "pattern", "type", *bodies)
     learnt: dict[str, set[str]] = {name: set() for name in told}
     for split in ("train", "validation"):
@@ -61,7 +60,7 @@ def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
 
 def _told(data: Path, split: str, columns: Sequence[str], without: str = "") -> dict[str, set[str]]:
     """All values of some columns in a split; none where there is no such split."""
-    from garmentimage.dataset.read import has_split, tables
+    from garmentimage.dataset import has_split, tables
 
     found: dict[str, set[str]] = {name: set() for name in columns}
     if not has_split(data, split):
@@ -112,7 +111,7 @@ def groups(
     Raises:
         LearnError: a network was trained without several types.
     """
-    from garmentimage.dataset.read import has_split
+    from garmentimage.dataset import has_split
 
     is_told = has_split(data, "unseen")
     if is_told and not (validation and any(run_of(each).get("without") for each in guessers)):

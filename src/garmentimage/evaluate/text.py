@@ -13,25 +13,30 @@ from typing import Any, Literal
 import numpy as np
 import torch
 
-from garmentimage.dataset.sheet import dataset_hash
+from garmentimage.dataset import dataset_hash
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
 from garmentimage.evaluate.garment import seen
 from garmentimage.evaluate.prompts import PROMPTS, Prompt, is_asked
 from garmentimage.evaluate.records import Records
-from garmentimage.explore.space import LatentSpace, Step
-from garmentimage.files import shown_path
-from garmentimage.learn.image_decoder import ImageDecoder
-from garmentimage.learn.sentences import embedded
-from garmentimage.learn.weights import load_weights
-from garmentimage.metrics.intervals import interval
-from garmentimage.metrics.kept import Touched, kept
-from garmentimage.metrics.traits import traits
-from garmentimage.pattern.model import Pattern
-from garmentimage.provenance import weights_hash
-from garmentimage.text.contrast import contrast
-from garmentimage.text.edit import SETTLE, STEPS_USUAL, check_pair, denoiser_guidance, moved
-from garmentimage.text.tries import MOST_TRIES, best_try
+from garmentimage.latent import LatentSpace
+from garmentimage.learn import load_weights
+from garmentimage.learn.data import embedded
+from garmentimage.learn.models import ImageDecoder
+from garmentimage.metrics import Touched, interval, kept, traits
+from garmentimage.networks import Step
+from garmentimage.pattern import Pattern
+from garmentimage.system import shown_path, weights_hash
+from garmentimage.text_edit import (
+    MOST_TRIES,
+    SETTLE,
+    STEPS_USUAL,
+    best_try,
+    check_pair,
+    contrast,
+    denoiser_guidance,
+    moved,
+)
 
 SEED = 50
 TIME_LIMIT_S = 600.0
@@ -73,7 +78,7 @@ class Item:
         return self.editing.name
 
 
-def evaluate(
+def evaluate_text_edits(
     editors: Sequence[Editing],
     data: Path,
     folder: Path,
@@ -236,7 +241,7 @@ def asked_of(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
 @cache
 def chosen(data: str, split: str) -> list[Pattern]:
     """Garments of a split, types in turn, in an order of their own."""
-    from garmentimage.dataset.read import patterns_of, tables
+    from garmentimage.dataset import patterns_of, tables
 
     texts: dict[str, list[str]] = {}
     for table in tables(data, split, ["type", "pattern"]):
@@ -253,7 +258,7 @@ def chosen(data: str, split: str) -> list[Pattern]:
 @cache
 def _captioned(data: str, text: str) -> Pattern:
     """The garment in training one of whose captions is nearest to a text, the first if several."""
-    from garmentimage.dataset.read import patterns_of, tables
+    from garmentimage.dataset import patterns_of, tables
 
     first: dict[str, str] = {}
     for table in tables(data, "train", ["captions", "pattern"]):

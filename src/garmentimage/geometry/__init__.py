@@ -1,1 +1,5 @@
 """Curves, polygons and quad meshes. No garment words in here."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 
-def card(
+def model_card(
     name: str, what: str, use: str, facts: Mapping[str, Any], last: Mapping[str, float]
 ) -> str:
     """README.md of a network, with the metadata that the Hugging Face Hub reads.

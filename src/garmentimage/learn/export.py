@@ -15,15 +15,12 @@ from safetensors.torch import save
 from torch import Tensor, nn
 
 from garmentimage.errors import DatasetError
-from garmentimage.explore.space import CONFIG, DECODER, ENCODER, GARMENTS
-from garmentimage.files import write_together
-from garmentimage.learn.cascade import Cascade
-from garmentimage.learn.garment_vae import GarmentVAE, from_channels, to_channels
-from garmentimage.learn.pictured import Album
-from garmentimage.learn.rasters import INPUTS, Labelled
-from garmentimage.learn.recombine import repainted
-from garmentimage.predict.network import PICTURES, PREDICTOR, distance_from, shrunk
-from garmentimage.predict.photo import Box, find_wearer
+from garmentimage.latent import DECODER, ENCODER, GARMENTS
+from garmentimage.learn.data import INPUTS, Album, Labelled, repainted
+from garmentimage.learn.models import Cascade, GarmentVAE, from_channels, to_channels
+from garmentimage.networks import CONFIG
+from garmentimage.predict import PICTURES, PREDICTOR, Box, distance_from, find_wearer, shrunk
+from garmentimage.system import write_together
 
 OPSET = 18
 KNOWN_A_TYPE = 300

@@ -8,7 +8,7 @@ from typing import TypeVar
 from torch import nn
 
 from garmentimage.errors import LearnError
-from garmentimage.files import shown_path
+from garmentimage.system import shown_path
 
 Model = TypeVar("Model", bound=nn.Module)
 

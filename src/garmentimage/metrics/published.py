@@ -20,11 +20,10 @@ from math import atan2, hypot
 import numpy as np
 from jaxtyping import Bool, Float
 
-from garmentimage.compare.pairing import pair_garments
-from garmentimage.compare.validity import stitch_faults
+from garmentimage.compare import pair_garments, stitch_faults
 from garmentimage.errors import PatternError, quoted
-from garmentimage.geometry.polygons import centroid
-from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Quadratic, Side
+from garmentimage.geometry import centroid
+from garmentimage.pattern import Edge, Loop, Panel, Pattern, Quadratic, Side
 
 SLOT_EDGES = 14
 """Most edges of a panel in those codes."""

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from garmentimage.compare.judge import RoundtripResult, judge
+from garmentimage.compare import RoundtripResult, judge
 from garmentimage.errors import GarmentImageError
-from garmentimage.metrics.workers import Lost, Outcome, map_in_processes
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern import Pattern
+from garmentimage.system import Lost, Outcome, map_in_processes
 
 if TYPE_CHECKING:
-    from garmentimage.raster.image import GarmentImage
+    from garmentimage.raster import GarmentImage
 
 TIME_LIMIT_S = 60.0
 """Time that one file may take before it is given up [s]."""
@@ -100,9 +100,9 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
 
     Errors end a trip and are told in the report; none is raised, not even for our own mistakes.
     """
-    from garmentimage.pattern.spec import read_pattern
+    from garmentimage.pattern.files import read_pattern
+    from garmentimage.raster import save_image
     from garmentimage.raster.encode import encode
-    from garmentimage.raster.files import save_image
 
     path = Path(path)
     report = partial(FileReport, _short_name(path), kind_of(path))
@@ -128,9 +128,9 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
 
 def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> Trip:
     """From a saved image to a saved pattern, and what the judge says of it."""
-    from garmentimage.pattern.spec import read_pattern, save_pattern
+    from garmentimage.pattern.files import read_pattern, save_pattern
+    from garmentimage.raster import load_image, save_image
     from garmentimage.raster.decode import decode
-    from garmentimage.raster.files import load_image, save_image
 
     clock = _Clock(folder)
     with clock.catching() as failed:

@@ -1,27 +1,5 @@
 """Sewing patterns: panels, edges, stitches; reading, checking and writing them."""
 
-from garmentimage.pattern.model import (
-    Circle,
-    Cubic,
-    Edge,
-    Loop,
-    Notch,
-    Panel,
-    Pattern,
-    Quadratic,
-    Side,
-    Stitch,
-)
+import lazy_loader
 
-__all__ = [
-    "Circle",
-    "Cubic",
-    "Edge",
-    "Loop",
-    "Notch",
-    "Panel",
-    "Pattern",
-    "Quadratic",
-    "Side",
-    "Stitch",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from garmentimage.pattern.checks import facing_inwards
 from garmentimage.pattern.finding import Finding, some
 from garmentimage.pattern.model import (
     Circle,
@@ -24,7 +25,6 @@ from garmentimage.pattern.model import (
     Quadratic,
     Side,
 )
-from garmentimage.pattern.placement_check import facing_inwards
 
 NEARER_CM = 1e-6
 """Rounding of the mean distance of seam ends."""

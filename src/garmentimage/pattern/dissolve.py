@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import dist
 
 from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Point, Side
-from garmentimage.pattern.seams import stubs
+from garmentimage.pattern.seam_runs import stubs
 
 
 def without_stubs(pattern: Pattern) -> Pattern:

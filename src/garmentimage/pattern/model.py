@@ -21,8 +21,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.geometry.curves import Arc, Bezier, Curve, Line, Point
-from garmentimage.geometry.polygons import signed_area
+from garmentimage.geometry import Arc, Bezier, Curve, Line, Point, signed_area
 
 Vector = tuple[float, float, float]
 

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
 from garmentimage.errors import LearnError
-from garmentimage.files import shown_path
+from garmentimage.system import shown_path
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
 TWIN = "MPO"

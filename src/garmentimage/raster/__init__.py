@@ -1,6 +1,5 @@
 """The raster: GarmentImage, its files, and the way from a pattern to it and back."""
 
-from garmentimage.raster.frame import BodyFrame
-from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
+import lazy_loader
 
-__all__ = ["BodyFrame", "EdgeType", "GarmentImage", "PanelMark"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -18,8 +18,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, Integer
 from numba import njit
 
+from garmentimage.geometry import merge, root_of
 from garmentimage.raster.image import EdgeType
-from garmentimage.raster.union_find import merge, root_of
 
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 """(dx, dy) of the corners bottom left, bottom right, top right, top left."""

@@ -14,23 +14,8 @@ from typing import Any
 import numpy as np
 
 from garmentimage.errors import ImageError, OutputError, check_type
-from garmentimage.files import shown_path, write_atomically
-from garmentimage.raster.arrays import (
-    NPY_MAGIC,
-    ZIP_MAGIC,
-    npy_bytes,
-    npz_bytes,
-    parse_npy,
-    parse_npz,
-    read_file,
-)
 from garmentimage.raster.channel_kind import ChannelKind
-from garmentimage.raster.channel_order import (
-    ChannelOrder,
-    channels_from_authors,
-    order_of,
-    to_authors,
-)
+from garmentimage.raster.channels import ChannelOrder, channels_from_authors, order_of, to_authors
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import (
     GRID_LIMITS,
@@ -39,7 +24,18 @@ from garmentimage.raster.image import (
     GarmentImage,
     check_channels,
 )
-from garmentimage.raster.marks import mark_from_json, mark_to_json, read_text
+from garmentimage.raster.panel_marks import mark_from_json, mark_to_json, read_text
+from garmentimage.system import (
+    NPY_MAGIC,
+    ZIP_MAGIC,
+    npy_bytes,
+    npz_bytes,
+    parse_npy,
+    parse_npz,
+    read_file,
+    shown_path,
+    write_atomically,
+)
 
 FORMAT = "garmentimage"
 VERSION = 1

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int8
 
 from garmentimage.errors import ImageError
-from garmentimage.pattern.model import Point, Vector
+from garmentimage.pattern import Point, Vector
 from garmentimage.raster.channel_kind import ChannelKind, check_kind, kind_of
 from garmentimage.raster.frame import BodyFrame
 

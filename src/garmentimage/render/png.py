@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import UInt8
 
 from garmentimage.errors import OutputError, RenderError
-from garmentimage.files import shown_path, write_atomically
 from garmentimage.render.style import FAINT
+from garmentimage.system import shown_path, write_atomically
 
 GAP = 6
 """Space round each picture of a sheet [pixel]."""

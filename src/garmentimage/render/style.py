@@ -2,7 +2,7 @@
 
 import unicodedata
 
-from garmentimage.raster.image import EdgeType
+from garmentimage.raster import EdgeType
 
 INK = "#2b2d33"
 FAINT = "#8a8f98"

@@ -1,0 +1,316 @@
+"""Building: a dataset made shard by shard, on this machine or on a cluster, resumed where it ended.
+
+Words of this file:
+
+- A **plan** says which rows go into which shard, all of them known before any is made.
+- A **shard** is made whole by one worker, sent to the driver as bytes, and written there under its
+  final name in one step. So whatever is killed, there are only whole shards, and what is missing
+  is made again: the same rows, as a row depends on nothing but its task.
+"""
+
+import hashlib
+import json
+import os
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from garmentimage.dataset.card import dataset_card
+from garmentimage.dataset.engine import check_scheduler, results
+from garmentimage.dataset.recipe import MOST_ROWS, PERIOD, SPLITS, Recipe
+from garmentimage.dataset.row import SCHEMA, Failed, Task, make_row
+from garmentimage.dataset.shard import schema, shard_bytes, shard_facts
+from garmentimage.errors import DatasetError, quoted
+from garmentimage.raster.encode import GRIDS
+from garmentimage.system import shown_path, write_atomically
+
+SHARD_ROWS = 100
+PLAN_FILE, SUMMARY_FILE, CARD_FILE = "build.json", "summary.json", "README.md"
+UNSEEN = "unseen"
+DATA = "data"
+"""Folder of the shards."""
+REMOVE = "remove it and build again"
+
+
+@dataclass(frozen=True)
+class Build:
+    """What is built, and where."""
+
+    recipe: Recipe
+    folder: Path
+    count: int
+    """Rows of each type."""
+    seed: int = 0
+    grid: int = 16
+    unseen: int | None = None
+    """Rows of each type that is for test only; `count` where this is None."""
+
+    def rows_of(self, split: str) -> int:
+        """Rows of each type in a split, with those of its other splits."""
+        return self.unseen if split == "unseen" and self.unseen is not None else self.count
+
+    def identity(self) -> dict[str, Any]:
+        """What tells one dataset from another."""
+        return {
+            "recipe": self.recipe.name,
+            "version": self.recipe.version,
+            "schema": SCHEMA,
+            "count": self.count,
+            "seed": self.seed,
+            "grid": self.grid,
+            "shard_rows": SHARD_ROWS,
+            **({} if self.unseen is None else {UNSEEN: self.unseen}),
+        }
+
+
+@dataclass(frozen=True)
+class Shard:
+    """Some rows of one split, told by where they stand in it."""
+
+    name: str
+    build: Build
+    split: str
+    places: range
+
+    def identity(self) -> dict[str, Any]:
+        """What tells its rows from any others."""
+        what = self.build.identity()
+        told = {key: what[key] for key in ("recipe", "version", "schema", "seed", "grid")}
+        return told | {"split": self.split, "places": [self.places.start, self.places.stop]}
+
+    @property
+    def tasks(self) -> list[Task]:
+        """Its rows; types take turns."""
+        what, block = self.build, _block(self.build.recipe, self.split)
+        turns = ((place // len(block), block[place % len(block)]) for place in self.places)
+        return [
+            Task(what.recipe, what.seed, what.grid, number, turn * PERIOD + index)
+            for turn, (index, number) in turns
+        ]
+
+
+@dataclass(frozen=True)
+class Done:
+    """A shard that is written."""
+
+    name: str
+    rows: int
+    failed: tuple[Failed, ...]
+    sha256: str
+
+
+def plan(build: Build) -> tuple[Shard, ...]:
+    """All shards of a dataset, split by split; types take turns within a split.
+
+    Raises:
+        DatasetError: a number that will not do.
+    """
+    low, high = GRIDS
+    if not low <= build.grid <= high or build.grid % 2:
+        raise DatasetError(f"grid is {build.grid}; give an even number from {low} to {high}")
+    types = build.recipe.types
+    for count in (build.count, build.rows_of("unseen")):
+        if not 1 <= count <= MOST_ROWS // len(types):
+            raise DatasetError(
+                f"{count} rows a type; give 1 to {MOST_ROWS // len(types)} with this recipe"
+            )
+    shards = []
+    for split in SPLITS:
+        block = _block(build.recipe, split)
+        whole, rest = divmod(build.rows_of(split), PERIOD)
+        rows = whole * len(block) + sum(index < rest for index, _ in block)
+        parts = [range(k, min(k + SHARD_ROWS, rows)) for k in range(0, rows, SHARD_ROWS)]
+        shards += [
+            Shard(f"{split}-{k:05d}-of-{len(parts):05d}.parquet", build, split, places)
+            for k, places in enumerate(parts)
+        ]
+    return tuple(shards)
+
+
+def _block(recipe: Recipe, split: str) -> list[tuple[int, int]]:
+    """Numbers and types of the rows of a split, among the first `PERIOD` of every type."""
+    return [
+        (index, number)
+        for index in range(PERIOD)
+        for number, each in enumerate(recipe.types)
+        if recipe.split(each, index) == split
+    ]
+
+
+def make_shard(shard: Shard) -> bytes:
+    """All rows of a shard, as its file."""
+    made = [make_row(task) for task in shard.tasks]
+    rows = [row for row in made if not isinstance(row, Failed)]
+    failed = [row for row in made if isinstance(row, Failed)]
+    return shard_bytes(shard.build.recipe, shard.build.grid, rows, failed, shard.identity())
+
+
+def build(
+    what: Build,
+    *,
+    scheduler: str | None = None,
+    workers: int = 2,
+    progress: Callable[[Done, bool], None] = lambda done, fresh: None,
+    command: str = "",
+) -> dict[str, Any]:
+    """Make what is missing of a dataset, and sum it up.
+
+    Args:
+        what: the dataset.
+        scheduler: address of a running Dask scheduler; none for processes on this machine.
+        workers: processes on this machine.
+        progress: called with every shard, and whether it was made now.
+        command: how it was called, for the dataset card.
+
+    Returns:
+        The summary that is also written to `summary.json`.
+
+    Raises:
+        DatasetError: the folder holds another dataset, a scheduler that does not answer, a number
+            that cannot work, or settings with which no row can be made.
+        OutputError: a file that cannot be written; what was finished stays.
+    """
+    shards = plan(what)
+    if scheduler is not None:
+        check_scheduler(scheduler)
+    data = _prepared(what)
+    _check_names(data, {shard.name for shard in shards})
+    done: dict[str, Done] = {}
+    for shard in shards:
+        if os.path.lexists(data / shard.name):
+            done[shard.name] = _checked(data / shard.name, shard)
+            progress(done[shard.name], False)
+    missing = [shard for shard in shards if shard.name not in done]
+    for shard, raw in results(make_shard, missing, scheduler, workers) if missing else ():
+        write_atomically(data / shard.name, raw)
+        done[shard.name] = _told(shard, raw)
+        progress(done[shard.name], True)
+    summary = _summary(what, [done[shard.name] for shard in shards])
+    if not summary["rows"]:
+        cause, number = next(iter(summary["failed"].items()))
+        raise DatasetError(
+            f"{shown_path(what.folder)}: no row could be made; {number} failed because of {cause}; "
+            "build it with other settings in another folder"
+        )
+    _write_anew(what.folder / SUMMARY_FILE, _text(summary), missing)
+    _write_anew(what.folder / CARD_FILE, dataset_card(what.recipe, summary, command), missing)
+    return summary
+
+
+def _write_anew(file: Path, text: str, missing: list[Shard]) -> None:
+    """Write what sums up a dataset, unless that is there already and nothing was missing."""
+    if missing or not file.exists():
+        write_atomically(file, text)
+
+
+def _prepared(what: Build) -> Path:
+    """The folder of the shards, made where it is not there."""
+    folder, wanted = what.folder, what.identity()
+    file, data = folder / PLAN_FILE, folder / DATA
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.path.lexists(file):
+            _check_plan(file, wanted)
+        elif any(not path.name.startswith(".") for path in folder.iterdir()):
+            raise DatasetError(
+                f"{shown_path(folder)}: holds other files and no dataset; choose another folder"
+            )
+        else:
+            write_atomically(file, _text(wanted))
+        data.mkdir(exist_ok=True)
+    except (OSError, ValueError) as error:
+        if isinstance(error, DatasetError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise DatasetError(
+            f"{shown_path(folder)}: cannot be used ({reason}); choose another folder"
+        ) from None
+    return data
+
+
+def _check_plan(file: Path, wanted: dict[str, Any]) -> None:
+    """Refuse a folder with another dataset."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(found, dict) or not found.keys() >= wanted.keys():
+            raise ValueError
+    except (ValueError, RecursionError):
+        raise DatasetError(f"{shown_path(file)}: is damaged; choose another folder") from None
+    for key in (*wanted, UNSEEN):
+        value = wanted.get(key)
+        if repr(found.get(key)) != repr(value):
+            raise DatasetError(
+                f"{shown_path(file.parent)}: holds a dataset of {key} "
+                f"{quoted(str(found.get(key)))}, not {value!r}; choose another folder"
+            )
+
+
+def _check_names(data: Path, planned: set[str]) -> None:
+    """Refuse files beside the shards: readers would take them for some."""
+    for path in data.iterdir():
+        if path.name not in planned and not path.name.startswith("."):
+            raise DatasetError(f"{shown_path(path)}: is no shard of this dataset; remove it")
+
+
+def _checked(path: Path, shard: Shard) -> Done:
+    """A shard that is there, read as a whole.
+
+    Raises:
+        DatasetError: it is damaged, or holds other rows than it should.
+    """
+    if path.is_symlink() or not path.is_file():
+        raise DatasetError(f"{shown_path(path)}: is no plain file; {REMOVE}")
+    try:
+        raw = path.read_bytes()
+        table = pq.read_table(BytesIO(raw), page_checksum_verification=True)
+        done = _told(shard, raw)
+    except DatasetError as error:
+        raise DatasetError(f"{shown_path(path)}: {error}") from None
+    except (pa.ArrowException, OSError) as error:
+        reason = getattr(error, "strerror", None) or "it is damaged"
+        raise DatasetError(f"{shown_path(path)}: cannot be read ({reason}); {REMOVE}") from None
+    if not table.schema.equals(schema(shard.build.recipe, shard.build.grid)):
+        raise DatasetError(f"{shown_path(path)}: has other columns than it should; {REMOVE}")
+    return done
+
+
+def _told(shard: Shard, raw: bytes) -> Done:
+    file = pq.ParquetFile(BytesIO(raw))
+    facts, rows = shard_facts(file.schema_arrow), file.metadata.num_rows
+    if facts.identity != shard.identity() or rows + len(facts.failed) != len(shard.places):
+        raise DatasetError(f"holds other rows than it should; {REMOVE}")
+    return Done(shard.name, rows, facts.failed, hashlib.sha256(raw).hexdigest())
+
+
+def _summary(what: Build, done: list[Done]) -> dict[str, Any]:
+    rows = Counter({split: 0 for split in SPLITS})
+    for each in done:
+        rows[each.name.split("-")[0]] += each.rows
+    failed = [row for each in done for row in each.failed]
+    asked = sum(len(shard.places) for shard in plan(what))
+    return {
+        **what.identity(),
+        "rows": sum(rows.values()),
+        "share": round(sum(rows.values()) / asked, 4),
+        "splits": {split: n for split, n in rows.items() if n},
+        "failed": dict(
+            Counter(f"{row.stage}: {_cause(row.reason)}" for row in failed).most_common()
+        ),
+        "shards": {each.name: {"rows": each.rows, "sha256": each.sha256} for each in done},
+    }
+
+
+def _cause(reason: str) -> str:
+    """A reason without its figures, for counting."""
+    words = reason.split(";")[0].split(":")[0].split("(")[0].split()
+    return " ".join(word for word in words if not any(c.isdigit() for c in word))
+
+
+def _text(data: dict[str, Any]) -> str:
+    return json.dumps(data, indent=1) + "\n"

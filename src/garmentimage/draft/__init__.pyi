@@ -1,0 +1,18 @@
+from .kinds import (
+    KINDS as KINDS,
+    Kind as Kind,
+    draft_pattern as draft_pattern,
+    kinds as kinds,
+)
+from .parameters import (
+    Parameter as Parameter,
+    Value as Value,
+    checked_values as checked_values,
+    near as near,
+)
+from .sampling import (
+    Sample as Sample,
+    Source as Source,
+    drafted as drafted,
+    sample as sample,
+)

@@ -1,0 +1,226 @@
+"""Sampling: garments of a kind or a template with parameters drawn at random, from a seed.
+
+Sample k of a seed depends on the seed, the source and k alone: the same on any number of workers,
+and whether ten samples are drawn or a million. A draw that cannot be worn is rejected with its
+reason and drawn again.
+"""
+
+import math
+import zlib
+from collections import deque
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from garmentimage.body import BodyMeasurements, measurements, presets
+from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, Kind
+from garmentimage.draft.parameters import Parameter, Value, checked_values, near
+from garmentimage.draft.templates import Template
+from garmentimage.errors import DraftError, PatternError, quoted
+from garmentimage.pattern import Pattern
+
+END_SHARE = 0.03
+"""Share of draws that a number's lowest value has, and its highest: corners of the ranges occur."""
+MOST_DRAWS = 100
+"""A sample that is rejected so often is given up: the source hardly gives a garment."""
+ANY_BODY = "any"
+"""Draws the body among the shipped ones, too."""
+SEED_LIMIT = 2**63
+CHUNK = 32
+"""Samples that a worker draws at a time."""
+
+Source = Kind | Template
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One garment drawn at random, and how it can be made again."""
+
+    source: str
+    """Name of the kind or the template."""
+    seed: int
+    index: int
+    body: str | None
+    """Name of a shipped body; None for a body of one's own, and for a template."""
+    parameters: Mapping[str, Any]
+    pattern: Pattern
+    rejected: tuple[str, ...]
+    """Why the draws before it were rejected."""
+
+    def record(self) -> dict[str, Any]:
+        """What is written down of it, beside the pattern."""
+        return {
+            "source": self.source,
+            "seed": self.seed,
+            "index": self.index,
+            "body": self.body,
+            "parameters": {name: _as_json(value) for name, value in self.parameters.items()},
+            "rejected": list(self.rejected),
+        }
+
+
+def sample(
+    source: str | Source,
+    count: int,
+    seed: int = 0,
+    *,
+    body: str | BodyMeasurements = DEFAULT_BODY,
+    fixed: Mapping[str, Value] = MappingProxyType({}),
+    workers: int = 1,
+    first: int = 0,
+) -> Iterator[Sample]:
+    """Garments of a kind or of a template with parameters drawn at random, in order.
+
+    Args:
+        source: a name from `kinds()`, a Kind or a Template.
+        count: how many.
+        seed: the same seed gives the same garments for ever.
+        body: measurements, the name of a shipped body, or "any" to draw among these, which is
+            another draw in a version with another body; a template has its own.
+        fixed: parameters of a kind that are not drawn, and their values; the others are drawn as
+            without.
+        workers: processes; the garments do not depend on it.
+        first: index of the first garment, to go on where another call ended.
+
+    Raises:
+        DraftError: an unknown name, a number that will not do, or a source that hardly gives a
+            garment.
+    """
+    found = _found(source)
+    if fixed and not isinstance(found, Kind):
+        raise DraftError("the parameters of a template cannot be fixed; fix those of a kind")
+    if isinstance(found, Kind):
+        values = checked_values(found.parameters, fixed, f"kind {found.name}")
+        fixed = {name: values[name] for name in fixed}
+    for name, number, low in (("count", count, 0), ("first", first, 0), ("seed", seed, 0)):
+        if not low <= number < SEED_LIMIT:
+            raise DraftError(f"{name} is {number}; give a whole number from {low}")
+    if isinstance(body, BodyMeasurements):
+        body.check()
+    elif body != ANY_BODY:
+        measurements(body)
+    return _samples(found, seed, body, dict(fixed), range(first, first + count), workers)
+
+
+def _samples(
+    source: Source,
+    seed: int,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    indices: range,
+    workers: int,
+) -> Iterator[Sample]:
+    if workers <= 1 or len(indices) <= CHUNK:
+        for index in indices:
+            yield _one(source, seed, body, fixed, index)
+        return
+    # A kind's functions stay where they are: workers look it up by its name.
+    sent = source.name if isinstance(source, Kind) else source
+    chunks = iter(indices[k : k + CHUNK] for k in range(0, len(indices), CHUNK))
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        waiting: deque[Future[list[Sample]]] = deque()
+        for chunk in chunks:
+            waiting.append(pool.submit(_chunk, sent, seed, body, fixed, chunk))
+            if len(waiting) > 2 * workers:
+                yield from waiting.popleft().result()
+        while waiting:
+            yield from waiting.popleft().result()
+
+
+def _chunk(
+    source: str | Template,
+    seed: int,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    indices: range,
+) -> list[Sample]:
+    return [_one(_found(source), seed, body, fixed, index) for index in indices]
+
+
+def _found(source: str | Source) -> Source:
+    if not isinstance(source, str):
+        return source
+    if source not in KINDS:
+        raise DraftError(f"there is no kind {quoted(source)}; {near(source, KINDS)}")
+    return KINDS[source]
+
+
+def _one(
+    source: Source,
+    seed: int,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    index: int,
+) -> Sample:
+    name = source.name if isinstance(source, Kind) else source.pattern.name
+    key = zlib.crc32(name.encode())
+    random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, key, index])))
+    rejected: list[str] = []
+    while len(rejected) < MOST_DRAWS:
+        try:
+            who, values, pattern = _drawn(source, body, fixed, random)
+        except (DraftError, PatternError) as error:
+            rejected.append(str(error))
+            continue
+        made = Sample(name, seed, index, who, values, pattern, tuple(rejected))
+        ours = {**pattern.extra.get("ours", {}), "draft": made.record()}
+        return replace(made, pattern=replace(pattern, extra={**pattern.extra, "ours": ours}))
+    raise DraftError(
+        f"{quoted(name)}, seed {seed}, garment {index}: rejected {MOST_DRAWS} times, the last time "
+        f"because {rejected[-1]}"
+    )
+
+
+def _drawn(
+    source: Source,
+    body: str | BodyMeasurements,
+    fixed: Mapping[str, Value],
+    random: np.random.Generator,
+) -> tuple[str | None, Mapping[str, Any], Pattern]:
+    """The body's name, the values of the parameters, and the garment."""
+    if isinstance(source, Template):
+        values = source.draw(random)
+        return None, values, source.with_values(values)
+    who = None if isinstance(body, BodyMeasurements) else body
+    if who == ANY_BODY:
+        names = tuple(presets())
+        who = names[int(random.random() * len(names))]
+    drawn = {name: drawn_value(p, random) for name, p in source.parameters.items()}
+    drawn |= dict(fixed)
+    wearer = body if isinstance(body, BodyMeasurements) else measurements(who or DEFAULT_BODY)
+    return who, drawn, source.draft(wearer, drawn)
+
+
+def drawn_value(parameter: Parameter, random: np.random.Generator) -> Value:
+    """A value of a parameter: each option as likely, numbers even over the range with its ends."""
+    share = random.random()
+    if parameter.options:
+        return parameter.options[int(share * len(parameter.options))]
+    inner = (share - END_SHARE) / (1 - 2 * END_SHARE)
+    return parameter.low + min(max(inner, 0.0), 1.0) * (parameter.high - parameter.low)
+
+
+def at_level(kind: Kind, level: float) -> dict[str, Value]:
+    """All numbers of a kind at one share of their ranges, options likewise along their list."""
+    if not 0.0 <= level <= 1.0:
+        raise DraftError(f"level is {level:g}; give a share from 0 to 1")
+    return {
+        name: p.options[min(math.floor(level * len(p.options)), len(p.options) - 1)]
+        if p.options
+        else p.low + level * (p.high - p.low)
+        for name, p in kind.parameters.items()
+    }
+
+
+def drafted(kind: Kind, body: BodyMeasurements, level: float) -> Pattern:
+    """A garment with all parameters at one level of their ranges."""
+    return kind.draft(body, at_level(kind, level))
+
+
+def _as_json(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

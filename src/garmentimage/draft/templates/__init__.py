@@ -1,0 +1,5 @@
+"""Pattern templates: pattern files whose edges stretch and bend by named parameters."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,3 @@
+from .template import (
+    Template as Template,
+)

@@ -1,0 +1,137 @@
+"""Items: the connected pieces of clothing of a pattern, and what holds each of them up.
+
+Words of this file:
+
+- An **item** is all cloth that is sewn together. A pattern may hold several: a top, and trousers
+  that are not sewn to it.
+- An item **hangs** from the shoulders. Else its top edge is **held** at the waist or at the chest,
+  as by a belt or an elastic, where one could hold it; where none could, nothing holds it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from garmentimage.body import Body
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.girths import chest_level
+from garmentimage.drape.start import Standing
+from garmentimage.drape.support import Held
+from garmentimage.pattern import Side
+
+LAYER = 2.0
+"""Garments whose depths differ by less are drawn on one layer [cm]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """One connected piece of clothing."""
+
+    vertices: Int[np.ndarray, " n"]
+    standing: Standing
+    """Where its panels were put."""
+    top: Int[np.ndarray, " t"]
+    """Vertices along its top edge; none where it hangs."""
+    level: Float[np.ndarray, " t"]
+    """Height at which each of them belongs [cm]."""
+    resting: Int[np.ndarray, " k"]
+    """Vertices of an item that hangs that begin over the shoulders."""
+    seams: Int[np.ndarray, " s"]
+    """Vertices along its shoulder seams; those over the shoulders where it has none."""
+
+    @property
+    def held(self) -> Int[np.ndarray, " m"]:
+        """Vertices that are kept at their height; none where the item hangs or nothing holds it."""
+        return self.top if self.standing.holds else _NONE
+
+
+def items(
+    cloth: Cloth,
+    start: Float[np.ndarray, "vertex 3"],
+    body: Body,
+    standings: Sequence[Standing],
+    *,
+    tucked: bool = False,
+) -> tuple[Item, ...]:
+    """The items of a garment, in the order in which they are put on.
+
+    Skirts, trousers and strapless clothes come first and what hangs (tops) over them, or after them
+    where the top is `tucked` in. Of two that are alike, the one whose front and back are drawn
+    closer together comes first, or the one with less cloth.
+
+    Args:
+        cloth: the sewn garment.
+        start: where its vertices start, round the body [cm].
+        body: who wears it.
+        standings: where each piece of clothing was put.
+        tucked: tops are worn under skirts and trousers.
+    """
+    faces = cloth.vertex_faces
+    count = cloth.vertex_count
+    links = coo_array(
+        (np.ones(2 * len(faces)), (faces[:, [0, 1]].T.ravel(), faces[:, [1, 2]].T.ravel())),
+        shape=(count, count),
+    )
+    number, label = connected_components(links, directed=False)
+    label_of_face = label[faces[:, 0]]
+    names = [panel.name for panel in cloth.pattern.panels]
+    over = _over_shoulders(start, body)
+    found = []
+    for k in range(number):
+        own = label_of_face == k
+        name = names[cloth.face_panel[own][0]]
+        standing = next(s for s in standings if name in s.panels)
+        hangs = standing.held is Held.SHOULDERS
+        hangs_only = hangs and not standing.holds
+        top, level = (_NONE, np.zeros(0)) if hangs_only else _top(cloth, start, standing, body)
+        resting = over[label[over] == k] if hangs else _NONE
+        seams = _along(cloth, standing.seams) if standing.seams else resting
+        item = Item(np.flatnonzero(label == k), standing, top, level, resting, seams)
+        deep = round(float(np.ptp(start[item.vertices, 2])) / LAYER) * LAYER
+        found.append((hangs != tucked, deep, int(own.sum()), k, item))
+    found.sort(key=lambda entry: entry[:4])
+    return tuple(item for *_, item in found)
+
+
+_NONE = np.zeros(0, np.int64)
+
+
+def _top(
+    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], standing: Standing, body: Body
+) -> tuple[Int[np.ndarray, " t"], Float[np.ndarray, " t"]]:
+    """The vertices along a top edge, and the height at which each belongs [cm].
+
+    At the waist that is a level line, whatever curve is drawn. A strapless top keeps its own line,
+    and so does one with a single strap, but for the strap.
+    """
+    top = _along(cloth, standing.edges)
+    if standing.held is Held.WAIST:
+        return top, np.full(len(top), standing.level)
+    if standing.held is Held.SHOULDERS:
+        top = top[start[top, 1] < chest_level(body)]
+    return top, start[top, 1]
+
+
+def _along(cloth: Cloth, sides: Sequence[Side]) -> Int[np.ndarray, " n"]:
+    """The vertices along edges."""
+    lines = [cloth.vertex[cloth.sides[side]] for side in sides]
+    return np.unique(np.concatenate(lines)) if lines else _NONE
+
+
+def _shoulder_height(body: Body) -> float:
+    """Height of the shoulder joints [cm]."""
+    return float(body.landmarks["left_shoulder_joint"][1])
+
+
+def _over_shoulders(start: np.ndarray, body: Body) -> Int[np.ndarray, " n"]:
+    """Vertices over the shoulders, beside the neck."""
+    reach, inner = (
+        abs(body.landmarks[name][0]) for name in ("left_shoulder_joint", "left_neck_point")
+    )
+    aside = np.abs(start[:, 0])
+    over = (start[:, 1] > _shoulder_height(body)) & (aside < reach) & (aside > inner)
+    return np.flatnonzero(over)

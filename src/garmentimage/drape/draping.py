@@ -1,0 +1,198 @@
+"""Wearing: from a pattern to a garment at rest on a body."""
+
+import time
+
+import numpy as np
+
+from garmentimage.body import Body, wearer
+from garmentimage.drape.components import Item, items
+from garmentimage.drape.elastic import drawn_together
+from garmentimage.drape.fabric import Fabric, load_fabric
+from garmentimage.drape.fit import AUTO, best_fit
+from garmentimage.drape.mesh import VERTICES, check_size, mesh, rest_of
+from garmentimage.drape.solver import Attachment, DistanceField, Settings, Watch, body_field, solve
+from garmentimage.drape.start import standing, start_points, tucked_in
+from garmentimage.drape.support import Held
+from garmentimage.drape.verdict import judge
+from garmentimage.drape.world_panels import parts
+from garmentimage.drape.worn import Worn
+from garmentimage.errors import DrapeError, check_type, quoted
+from garmentimage.pattern import Pattern, without_stubs
+from garmentimage.pattern.checks import unknown_place
+
+BELT_STIFFNESS = 1e5
+"""With which a belt keeps each vertex at its height [dyn/cm]."""
+BELT_PULL = 3e6
+"""With which a belt or an elastic holds a garment up, at most, all round [dyn]: some 3 kg."""
+
+ONE_PLANE = 1.0
+"""Panels whose depths differ by less [cm] all lie on one side of the body."""
+
+
+def drape_pattern(
+    pattern: Pattern,
+    body: str | Body = "mean-female",
+    *,
+    fabric: str | Fabric = "cotton",
+    vertices: int = VERTICES,
+    tucked: bool = False,
+    made_for: float | None = None,
+    settings: Settings | None = None,
+    watch: Watch | None = None,
+) -> Worn:
+    """Put a garment on a body and let it come to rest; same bits on every run.
+
+    The garment is moved to where the body wears it (`stand`), cut into triangles and sewn (`mesh`),
+    and simulated (`solver`), one connected piece of clothing over the other (`items`).
+
+    Args:
+        pattern: a garment that passes `check_pattern`.
+        body: name of a shipped body, in T-pose and with its legs upright, "auto" for the one on
+            which the garment fits best, or a body as it stands.
+        fabric: name of a fabric, or one of your own.
+        vertices: about how many the cloth has.
+        tucked: tops are worn under skirts and trousers, not over them.
+        made_for: stature that the pattern was made for [cm]; the garment is then scaled to the
+            body's.
+        settings: of the simulation.
+        watch: is called every few frames of each piece of clothing, see `solve`.
+
+    Returns:
+        The garment on the body. Look at `report.faults`, or call `check_worn`: a drape that went
+        wrong is returned too.
+
+    Raises:
+        DrapeError: a pattern that nothing would hold on a body, as its panels are not sewn or all
+            lie in one plane, that has no place or is in other units (`placement_findings`), or
+            that cannot be cut into triangles.
+        DraftError: there is no body of that name, or `made_for` is no stature.
+        TypeError: an argument is of another type.
+    """
+    check_type(pattern, Pattern, "garmentimage.load_pattern reads one from a file")
+    check_type(vertices, int, "say about how many the cloth shall have")
+    began = time.perf_counter()
+    fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
+    check_type(fabric, Fabric, "name one, such as 'cotton'")
+    _check_sewn(pattern)
+    pattern = without_stubs(pattern)
+    check_size(pattern)
+    check_placed(pattern)
+    _check_surrounding(pattern)
+    body = wearer(best_fit([pattern], made_for=made_for).body if body == AUTO else body)
+    placed, standings = standing(pattern, body, made_for=made_for)
+    cloth = mesh(placed, vertices=vertices)
+    start = start_points(cloth, body, standings)
+    points, motions = start.copy(), []
+    field: DistanceField = body_field(body)
+    worn_items = items(cloth, start, body, standings, tucked=tucked)
+    rest = drawn_together(rest_of(cloth), worn_items)
+    band = max((float(i.level.mean()) for i in worn_items if len(i.held)), default=None)
+    for item in worn_items:
+        part = rest.part(item.vertices)
+        if tucked and band is not None and item.standing.held is Held.SHOULDERS:
+            part = tucked_in(part, start[item.vertices], body, band)
+        motion = solve(
+            part,
+            start[item.vertices],
+            field,
+            fabric,
+            attachment=_belt(item),
+            resting=np.searchsorted(item.vertices, item.resting),
+            settings=settings,
+            watch=watch,
+        )
+        points[item.vertices] = motion.points
+        motions.append(motion)
+        if item is not worn_items[-1]:
+            field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
+    report = judge(
+        cloth,
+        rest,
+        start,
+        points,
+        body,
+        worn_items,
+        tuple(motions),
+        seconds=time.perf_counter() - began,
+    )
+    return Worn(cloth, points, body, report)
+
+
+def check_worn(worn: Worn) -> None:
+    """Refuse a drape that went wrong.
+
+    Raises:
+        DrapeError: says all faults.
+    """
+    if worn.report.faults:
+        raise DrapeError(
+            f"the drape of {worn.cloth.pattern.name or 'the garment'} on {worn.body.name} failed: "
+            + "; ".join(worn.report.faults)
+        )
+
+
+def _check_sewn(pattern: Pattern) -> None:
+    """Refuse a pattern with a piece that no stitch holds."""
+    name = pattern.name or "the pattern"
+    if not pattern.stitches:
+        poncho = len(pattern.panels) == 1 and pattern.panels[0].holes
+        raise DrapeError(
+            f"{name} has no stitches, so nothing holds it on a body; "
+            + (
+                "cut it through the hole into a front and a back, and sew them at the shoulders"
+                if poncho
+                else "sew its panels first"
+            )
+        )
+    for part in parts(pattern):
+        first = quoted(part.panels[0].name)
+        if not part.stitches:
+            raise DrapeError(
+                f"{name}: panel {first} is sewn to nothing, so nothing holds it on a body "
+                "(stitches join edges, they sew no pocket onto cloth); sew it to the garment, or "
+                "leave it out"
+            )
+
+
+def _check_surrounding(pattern: Pattern) -> None:
+    """Refuse clothes whose panels all lie on one side of the body."""
+    name = pattern.name or "the pattern"
+    for part in parts(pattern):
+        first = quoted(part.panels[0].name)
+        points = np.concatenate([p.to_world(p.outline.polygon) for p in part.panels])
+        if np.ptp(points[:, 2]) >= ONE_PLANE:
+            continue
+        own = [s for s in part.stitches if s.a.panel == s.b.panel]
+        if len(part.panels) == 1 and own:
+            raise DrapeError(
+                f"{name}: panel {first} is sewn to itself round the body (edges {own[0].a.edge} "
+                f"and {own[0].b.edge}), but a panel is put on one side of it; cut it into a front "
+                "and a back"
+            )
+        raise DrapeError(
+            f"{name}: the panels of the garment of panel {first} all lie in one plane, so the body "
+            "cannot be between them; place them round the body: fronts before it (z about 20 cm), "
+            "backs behind it (z about -20 cm, turned by 180 degrees about y)"
+        )
+
+
+def check_placed(pattern: Pattern) -> None:
+    """Refuse a pattern of which nobody can say where on a body it belongs.
+
+    Raises:
+        DrapeError: says what its places or its units look like, and the remedy.
+    """
+    finding = unknown_place(pattern)
+    if finding:
+        name = pattern.name or "the pattern"
+        raise DrapeError(f"{name} cannot be put on a body: {finding}")
+
+
+def _belt(item: Item) -> Attachment | None:
+    """Holds an item up where nothing else does; free to move sideways."""
+    if not len(item.held):
+        return None
+    own = np.searchsorted(item.vertices, item.held)
+    targets, stiffness = np.zeros((2, len(own), 3))
+    targets[:, 1], stiffness[:, 1] = item.level, BELT_STIFFNESS
+    return Attachment(own, targets, stiffness, BELT_PULL / len(own))

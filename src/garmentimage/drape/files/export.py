@@ -1,0 +1,148 @@
+"""A worn garment as a file for other programs: GLB, OBJ or PLY.
+
+Every format keeps the panels apart, closes the seams, carries the flat pattern in true scale as
+texture coordinates, and says which edge and which stitch a vertex lies on:
+
+| | GLB | OBJ | PLY |
+|---|---|---|---|
+| unit of length | m | cm | cm |
+| panels | one mesh each | groups | vertex property `panel` |
+| flat pattern | UV, 1 = 1 m of cloth | `vt` in cm | `flat_x`, `flat_y` in cm |
+| seams | same `_VERTEX`, `_SEAM` | shared vertices, comments | same `vertex`, `seam` |
+| edges | `_EDGE`, `extras` | comments | `edge` |
+| body | node `body` | group `body` | - |
+
+y is up in all of them. Only a GLB holds all that there is, and can be read again (`glb`).
+"""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.files.glb import BODY, glb_bytes, mesh_names
+from garmentimage.drape.files.vertex_attributes import (
+    corner_edges,
+    corner_seams,
+    seam_vertices,
+    vertex_normals,
+)
+from garmentimage.drape.worn import Worn
+from garmentimage.errors import OutputError, check_type, quoted
+from garmentimage.system import write_atomically
+
+WORN_FORMATS = (".glb", ".obj", ".ply")
+"""Endings of files that a worn garment can be written to."""
+
+
+def save_worn(path: str | os.PathLike[str], worn: Worn, *, body: bool = True) -> None:
+    """Write a worn garment; the ending of the name says in which format.
+
+    Args:
+        path: ends in `.glb`, `.obj` or `.ply`.
+        worn: what to write.
+        body: whether the body is written too; a PLY never holds it.
+
+    Raises:
+        OutputError: another ending, or a file that cannot be written.
+        TypeError: it is no Worn.
+    """
+    check_type(worn, Worn, "garmentimage.drape_pattern makes one")
+    write_atomically(path, worn_bytes(worn, Path(path).suffix, body=body))
+
+
+def worn_bytes(worn: Worn, ending: str, *, body: bool = True) -> bytes | str:
+    """What `save_worn` writes to a file with this ending.
+
+    Raises:
+        OutputError: the ending is none of `WORN_FORMATS`.
+    """
+    match ending.lower():
+        case ".glb":
+            return glb_bytes(worn, body=body)
+        case ".obj":
+            return obj_text(worn, body=body)
+        case ".ply":
+            return ply_bytes(worn)
+    known = ", ".join(WORN_FORMATS)
+    raise OutputError(f"a garment cannot be written as {quoted(ending)}; choose {known}")
+
+
+def obj_text(worn: Worn, *, body: bool = True) -> str:
+    """The sewn garment as OBJ: panels as groups, `vt` the flat pattern [cm], positions in cm."""
+    return "\n".join([*_obj_lines(worn), *(_obj_body(worn) if body else ()), ""])
+
+
+def _obj_lines(worn: Worn) -> Iterator[str]:
+    cloth = worn.cloth
+    yield "# Lengths are cm, y is up; vt is the flat pattern in cm. Vertices count from 1."
+    yield from _rows("v", worn.points)
+    yield from _rows("vt", cloth.flat)
+    yield from _rows("vn", vertex_normals(cloth, worn.points))
+    names = mesh_names(cloth)
+    where = dict(zip((panel.name for panel in cloth.pattern.panels), names))
+    for side, corners in cloth.sides.items():
+        numbers = " ".join(str(v + 1) for v in cloth.vertex[corners])
+        yield f"# edge {where[side.panel]} {side.edge}: {numbers}"
+    for stitch, vertices in zip(cloth.pattern.stitches, seam_vertices(cloth)):
+        ends = " to ".join(f"{where[side.panel]} {side.edge}" for side in stitch.sides)
+        yield f"# stitch {ends}: {' '.join(str(v + 1) for v in vertices)}"
+    for number, name in enumerate(names):
+        yield f"g {name}"
+        for face in cloth.faces[cloth.face_panel == number]:
+            yield "f " + " ".join(f"{v}/{c + 1}/{v}" for c, v in zip(face, cloth.vertex[face] + 1))
+
+
+def _obj_body(worn: Worn) -> Iterator[str]:
+    yield from _rows("v", worn.body.vertices)
+    yield f"g {BODY}"
+    first = len(worn.points) + 1
+    yield from (f"f {a} {b} {c}" for a, b, c in (worn.body.faces + first).tolist())
+
+
+def _rows(word: str, rows: Float[np.ndarray, "n axis"]) -> Iterator[str]:
+    # Six decimals of a cm are more than any program uses, and a sum of zeros never reads "-0".
+    return (
+        f"{word} " + " ".join(f"{x:.6f}" for x in row) for row in (rows.round(6) + 0.0).tolist()
+    )
+
+
+def ply_bytes(worn: Worn) -> bytes:
+    """The garment as binary PLY: one mesh whose vertices are the corners of the panels [cm]."""
+    cloth = worn.cloth
+    columns: dict[str, np.ndarray] = {
+        **{axis: worn.points[cloth.vertex, k] for k, axis in enumerate("xyz")},
+        **{f"flat_{axis}": cloth.flat[:, k] for k, axis in enumerate("xy")},
+        "panel": cloth.panel,
+        "vertex": cloth.vertex,
+        "edge": corner_edges(cloth),
+        "seam": corner_seams(cloth),
+    }
+    kinds = {name: "<f4" if column.dtype.kind == "f" else "<i4" for name, column in columns.items()}
+    vertices = np.empty(len(cloth.flat), list(kinds.items()))
+    for name, column in columns.items():
+        vertices[name] = column
+    faces = np.empty(len(cloth.faces), [("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, cloth.faces
+    return (
+        _ply_header(cloth, kinds, len(vertices), len(faces)) + vertices.tobytes() + faces.tobytes()
+    )
+
+
+def _ply_header(cloth: Cloth, kinds: dict[str, str], vertices: int, faces: int) -> bytes:
+    words = {"<f4": "float", "<i4": "int"}
+    lines = [
+        "ply",
+        "format binary_little_endian 1.0",
+        "comment lengths are cm, y is up; -1 is no edge, no seam",
+        *(f"comment panel {k} {name}" for k, name in enumerate(mesh_names(cloth))),
+        f"element vertex {vertices}",
+        *(f"property {words[kind]} {name}" for name, kind in kinds.items()),
+        f"element face {faces}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
+    return ("\n".join(lines) + "\n").encode("utf-8")

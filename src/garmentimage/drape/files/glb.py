@@ -1,0 +1,284 @@
+"""A worn garment as GLB: for the web, and to be read again.
+
+glTF wants metres, y up. Every panel is a mesh of its own, with smooth normals across the seams;
+its UV is the flat pattern in true scale, so that one unit of UV is `UV_CM` of cloth. Vertices carry
+`_VERTEX` (corners sewn together have the same number), `_EDGE` and `_SEAM` (-1: none) as floats,
+the only numbers of that size that vertices may have. The scene's `extras.garmentimage` holds the
+pattern and all else that a reader needs.
+"""
+
+import os
+from collections.abc import Mapping
+from dataclasses import asdict
+from io import BytesIO
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from garmentimage.body import Body
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.files.vertex_attributes import (
+    corner_edges,
+    corner_seams,
+    seam_vertices,
+    vertex_normals,
+)
+from garmentimage.drape.mesh import most_strain, rest_of
+from garmentimage.drape.worn import DrapeReport, Worn
+from garmentimage.errors import DrapeError, GarmentImageError
+from garmentimage.pattern import Side
+from garmentimage.pattern.files import pattern_to_spec, read_spec
+from garmentimage.system import safe_name, shown_path
+
+SCHEMA = 1
+"""Version of what `extras.garmentimage` holds."""
+OURS = "garmentimage"
+BODY = "body"
+"""Name of the body's mesh; no panel's mesh has it."""
+METRE = 100.0
+"""[cm]"""
+UV_CM = 100.0
+"""Cloth that one unit of UV stands for [cm]."""
+FILE_LIMIT = 200_000_000
+"""Bytes of a file."""
+FARTHEST = 100.0
+"""Nothing in a file lies farther off [m]."""
+STRAIN_TOL = 0.01
+"""What the cloth is stretched by and what its report says may differ by so much."""
+CLOTH_COLOUR = (0.42, 0.52, 0.66, 1.0)
+SKIN_COLOUR = (0.80, 0.66, 0.57, 1.0)
+
+
+def mesh_names(cloth: Cloth) -> list[str]:
+    """A name for every panel that all programs take, none of them that of the body."""
+    names = [BODY]
+    for panel in cloth.pattern.panels:
+        names.append(safe_name(panel.name, names))
+    return names[1:]
+
+
+# --- Writing -------------------------------------------------------------------------------------
+
+
+def glb_bytes(worn: Worn, *, body: bool = True) -> bytes:
+    """The garment as GLB; the same bytes every time."""
+    import trimesh
+
+    scene = trimesh.Scene()
+    for number, name in enumerate(mesh_names(worn.cloth)):
+        scene.add_geometry(_panel_mesh(worn, number), node_name=name, geom_name=name)
+    if body:
+        skin = _mesh(worn.body.vertices, worn.body.faces, SKIN_COLOUR)
+        scene.add_geometry(skin, node_name=BODY, geom_name=BODY)
+    scene.metadata[OURS] = _extras(worn)
+    return scene.export(file_type="glb", include_normals=True)
+
+
+def _panel_mesh(worn: Worn, number: int) -> Any:
+    cloth = worn.cloth
+    corners = np.flatnonzero(cloth.panel == number)
+    first = corners[0] if len(corners) else 0
+    vertex = cloth.vertex[corners]
+    mesh = _mesh(
+        worn.points[vertex],
+        cloth.faces[cloth.face_panel == number] - first,
+        CLOTH_COLOUR,
+        uv=cloth.flat[corners] / UV_CM,
+        normals=vertex_normals(cloth, worn.points)[vertex],
+    )
+    columns = {"VERTEX": cloth.vertex, "EDGE": corner_edges(cloth), "SEAM": corner_seams(cloth)}
+    for key, column in columns.items():
+        mesh.vertex_attributes[f"_{key}"] = column[corners].astype(np.float32)
+    return mesh
+
+
+def _mesh(
+    points: Float[np.ndarray, "n 3"],
+    faces: Int[np.ndarray, "face 3"],
+    colour: tuple[float, float, float, float],
+    *,
+    uv: Float[np.ndarray, "n 2"] | None = None,
+    normals: Float[np.ndarray, "n 3"] | None = None,
+) -> Any:
+    import trimesh
+
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
+    )
+    visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    return trimesh.Trimesh(
+        points / METRE, faces, vertex_normals=normals, visual=visual, process=False
+    )
+
+
+def _extras(worn: Worn) -> dict[str, Any]:
+    cloth, body = worn.cloth, worn.body
+    report = asdict(worn.report)
+    return {
+        "schema": SCHEMA,
+        "uv_cm": UV_CM,
+        "panels": mesh_names(cloth),
+        "name": cloth.pattern.name,
+        "pattern": pattern_to_spec(cloth.pattern),
+        "sides": [[s.panel, s.edge, corners.tolist()] for s, corners in cloth.sides.items()],
+        "seams": [vertices.tolist() for vertices in seam_vertices(cloth)],
+        "report": report
+        | {
+            "slid": dict(worn.report.slid),
+            "faults": list(worn.report.faults),
+            "notes": list(worn.report.notes),
+        },
+        "body": {
+            "name": body.name,
+            "pose": body.pose,
+            "landmarks": {key: place.tolist() for key, place in body.landmarks.items()},
+        },
+    }
+
+
+# --- Reading -------------------------------------------------------------------------------------
+
+
+def load_worn(path: str | os.PathLike[str]) -> Worn:
+    """A worn garment from a GLB that `glb_bytes` made, body included; to 1e-4 cm.
+
+    Raises:
+        DrapeError: the file cannot be read, or does not hold a garment and a body of ours.
+    """
+    try:
+        return read_glb(_bytes(path))
+    except DrapeError as error:
+        raise DrapeError(f"{shown_path(path)}: {error}") from None
+
+
+def read_glb(raw: bytes) -> Worn:
+    """A worn garment from the bytes of a GLB.
+
+    Raises:
+        DrapeError: they do not hold a garment and a body of ours.
+    """
+    import trimesh
+
+    try:
+        # Without a resolver the reader cannot open any other file.
+        scene = trimesh.load_scene(BytesIO(raw), file_type="glb", process=False)
+    except Exception as error:  # Its reader raises whatever a damaged file makes it stumble over.
+        raise DrapeError(f"is not a GLB that can be read ({type(error).__name__})") from None
+    extras = scene.metadata.get(OURS)
+    if not isinstance(extras, Mapping):
+        raise DrapeError("holds no garment of garmentimage; drape a pattern to get one")
+    if extras.get("schema") != SCHEMA:
+        raise DrapeError(f"holds a garment of another version; only {SCHEMA} is read")
+    if BODY not in scene.geometry:
+        raise DrapeError("was written without its body; drape the pattern again with it")
+    try:
+        return _worn(scene.geometry, extras)
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, GarmentImageError):
+        raise DrapeError("holds a damaged garment; drape the pattern again") from None
+
+
+def _bytes(path: str | os.PathLike[str]) -> bytes:
+    try:
+        with Path(path).open("rb") as file:
+            raw = file.read(FILE_LIMIT + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise DrapeError(f"cannot be read ({reason}); name a GLB file") from None
+    if len(raw) > FILE_LIMIT:
+        raise DrapeError(f"is larger than {FILE_LIMIT // 1_000_000} MB")
+    return raw
+
+
+def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> Worn:
+    panels = [geometry[name] for name in extras["panels"]]
+    sizes = [len(mesh.vertices) for mesh in panels]
+    first = np.cumsum([0, *sizes[:-1]])
+    vertex = np.concatenate([_whole(mesh.vertex_attributes["_VERTEX"]) for mesh in panels])
+    corners = _near(np.concatenate([mesh.vertices for mesh in panels])) * METRE
+    cloth = Cloth(
+        pattern=read_spec(extras["pattern"], str(extras["name"]))[0],
+        flat=_near(np.concatenate([mesh.visual.uv for mesh in panels])) * UV_CM,
+        faces=np.concatenate([mesh.faces + k for mesh, k in zip(panels, first)]),
+        panel=np.repeat(np.arange(len(panels)), sizes),
+        vertex=vertex,
+        sides=MappingProxyType({Side(p, int(k)): np.array(n, int) for p, k, n in extras["sides"]}),
+    )
+    _check(cloth)
+    points, report = cloth.sewn(corners), _report(extras["report"])
+    if abs(most_strain(rest_of(cloth), points) - report.strain) > STRAIN_TOL:
+        raise ValueError
+    return Worn(cloth, points, _body(geometry[BODY], extras["body"]), report)
+
+
+def _report(facts: Mapping[str, Any]) -> DrapeReport:
+    """The report, every figure of its type."""
+    report = DrapeReport(
+        settled=bool(facts["settled"]),
+        frames=int(facts["frames"]),
+        speed=float(facts["speed"]),
+        penetration=float(facts["penetration"]),
+        strain=float(facts["strain"]),
+        slid={str(place): float(far) for place, far in facts["slid"].items()},
+        crossings=int(facts["crossings"]),
+        held=float(facts["held"]),
+        items=int(facts["items"]),
+        faults=tuple(str(fault) for fault in facts["faults"]),
+        notes=tuple(str(note) for note in facts.get("notes", ())),
+        seconds=float(facts["seconds"]),
+    )
+    numbers = [report.speed, report.penetration, report.strain, report.held, report.seconds]
+    if not np.isfinite([*numbers, *report.slid.values()]).all():
+        raise ValueError
+    return report
+
+
+def _near(places: Any) -> Float[np.ndarray, "n k"]:
+    """Places [m], none of them farther off than a garment and its wearer can be."""
+    places = np.asarray(places, float)
+    if not (np.abs(places) <= FARTHEST).all():
+        raise ValueError
+    return places
+
+
+def _whole(column: np.ndarray) -> Int[np.ndarray, " n"]:
+    return np.rint(column).astype(np.int64).reshape(-1)
+
+
+def _check(cloth: Cloth) -> None:
+    """Refuse numbers that stand for nothing."""
+    count = len(cloth.flat)
+    names = {panel.name: len(panel.edges) for panel in cloth.pattern.panels}
+    numbers = np.concatenate([cloth.faces.ravel(), *cloth.sides.values()])
+    # Every vertex from 0 to the last has a corner, so that none is without a place.
+    if (
+        not len(cloth.faces)
+        or not 0 <= cloth.vertex.min() <= cloth.vertex.max() < count
+        or cloth.panel.max() >= len(names)
+        or any(side.edge >= names[side.panel] for side in cloth.sides)
+        or set(cloth.pattern.partners) - set(cloth.sides)
+        or numbers.min() < 0
+        or numbers.max() >= count
+        or not np.array_equal(np.unique(cloth.vertex), np.arange(cloth.vertex.max() + 1))
+    ):
+        raise ValueError
+
+
+def _body(mesh: Any, facts: Mapping[str, Any]) -> Body:
+    places = {str(key): np.array(place, float) for key, place in facts["landmarks"].items()}
+    if any(place.shape != (3,) for place in places.values()):
+        raise ValueError
+    vertices, faces = _near(mesh.vertices) * METRE, np.asarray(mesh.faces, np.int32)
+    if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
+        raise ValueError
+    if not all(np.isfinite(place).all() for place in places.values()):
+        raise ValueError
+    return Body(
+        vertices,
+        faces,
+        str(facts["name"]),
+        str(facts["pose"]),
+        MappingProxyType(places),
+    )

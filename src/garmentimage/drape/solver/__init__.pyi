@@ -1,0 +1,11 @@
+from .distance_field import (
+    DistanceField as DistanceField,
+    body_field as body_field,
+)
+from .solver import (
+    Attachment as Attachment,
+    Motion as Motion,
+    Settings as Settings,
+    Watch as Watch,
+    solve as solve,
+)

@@ -1,0 +1,375 @@
+"""Standing: a sewing pattern is put where its wearer stands.
+
+Pattern files come with their origin on the floor, near the pelvis or anywhere, drawn for a body
+that we do not know. So where a garment stands is told by what it is (`held`) and by its lengths
+against those of the body, never by where its file has it. Every piece of clothing of a pattern is
+moved by itself, not bent:
+
+1. What hangs from the **shoulders** comes to lie with the lowest point of its shoulder seams as far
+   over the body's shoulder line as in a draft for this body.
+2. What hangs from the **waist** has its top edge there, a waistband above it. A top edge longer
+   than the waist goes down to where the body is thick enough to hold it; trousers that are too
+   short go no higher than the crotch lets them.
+3. What is held by the **chest** has its top edge halfway from the bust points to the arms.
+4. The body is between front and back, the back close behind it.
+
+It is never moved sideways: a garment may be meant to be unlike on its two sides.
+
+A top edge is **held** only where an elastic or a belt could hold it: where it is hardly longer than
+the body is round. An edge that is labelled `waist` is drawn together as by an elastic.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.body import Body
+from garmentimage.drape.girths import chest_level, drawn_over, girth, shoulder, waist_height
+from garmentimage.drape.support import BAND, Held, Hold, hold_of
+from garmentimage.drape.world_panels import (
+    Piece,
+    Points,
+    WorldEdge,
+    band_height,
+    below_band,
+    girth_at,
+    mean_height,
+    parts,
+    pieces_of,
+    seam_length,
+)
+from garmentimage.errors import DraftError
+from garmentimage.pattern import Circle, Edge, Loop, Panel, Pattern, Side
+
+EASE = 8.0
+"""A belt draws a top edge together by this much at most [cm], so it holds where the edge is no
+longer than the body is round, and this."""
+FRILL = 25.0
+"""What stands up from the waist, wider at its top, is no higher than this [cm]."""
+BAND_ABOVE = 4.5
+"""A waistband goes up from the waist by its height, but no more than this [cm]."""
+ON_HIPS = 0.45
+"""Clothes are worn on the hips down to this share of the way from the waist to the crotch."""
+DRAWN_TOGETHER, TIGHT = 0.45, 3.0
+"""An elastic draws cloth together to this share of its length at least. At rest, belts and elastics
+are shorter than the body is round by `TIGHT` [cm]."""
+ELASTIC = "waist"
+"""Label of an edge that is drawn together at the waist."""
+TIGHT_WITHIN = 14.0
+"""What holds a strapless garment lies within this below its top edge [cm]."""
+CROTCH_ROOM = 1.0
+"""The crotch of trousers keeps this far below the crotch of the body [cm]."""
+TOUCH = 1.0
+"""A single strap begins so far over the shoulder [cm]: what is held beside it does not sink."""
+OFF_SHOULDER = 1.3
+"""Seams are compared with the shoulders out to this many times the shoulder point's distance."""
+LEVEL_STEP = 1.0
+"""Distance between the levels at which the body is measured below the waist [cm]."""
+STATURES = (90.0, 230.0)
+"""Statures that a pattern may be made for [cm]."""
+DEPTH_GAP = 5.0
+"""Panels that lie less far apart in depth [cm] do not tell front from back."""
+DEPTH_ROOM = 3.0
+"""Distance from the body that the plane of the back should have [cm]."""
+BACK_NEARER = 4.0
+"""The body stands nearer to the back than midway by this at most [cm]."""
+DEPTH_END = 0.25
+"""The panels in front are those in this share of the depth of the whole garment."""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where a piece of clothing was put on a body, and what holds it there."""
+
+    held: Held
+    why: str
+    """How that was told, as a clause."""
+    sure: bool
+    """Whether the garment itself tells; else only the height in its file did."""
+    panels: frozenset[str]
+    """Names of its panels."""
+    edges: tuple[Side, ...]
+    """The edges that are worn at its level: the free edges at its top, as a rule."""
+    seams: tuple[Side, ...]
+    """The sides of its shoulder seams."""
+    lifted: float
+    """How far up it was moved in all, after scaling [cm]."""
+    forward: float
+    """How far it was moved to the front [cm]."""
+    scale: float
+    """What its lengths were multiplied by."""
+    level: float
+    """Height at which it is worn [cm]: of the neck points, or the mean of its top edge."""
+    length: float
+    """Length of its top edge or, strapless, how wide it is under it, where it is tightest [cm]."""
+    girth: float
+    """How far round the body is at its waist, or at the chest where it should hold [cm]."""
+    holds: bool
+    """Whether its top edge can hold it there."""
+    drawn_to: float
+    """Length to which a belt or an elastic draws its top edge together [cm]; 0 not at the waist."""
+
+
+def standing(
+    pattern: Pattern, body: Body, *, made_for: float | None = None
+) -> tuple[Pattern, tuple[Standing, ...]]:
+    """The pattern, moved to where the body wears it, and where each piece of clothing was put.
+
+    Moving all of the pattern up, down, forward or back changes nothing in the result.
+
+    Args:
+        pattern: anywhere, x = 0 in its middle.
+        body: its landmarks `left_neck_point`, `cervical`, `left_shoulder_joint`, `waist_front` and
+            `crotch` are looked at.
+        made_for: stature that the pattern was made for [cm]: all of it is scaled to the body's
+            stature. Without it nothing is scaled.
+
+    Raises:
+        DraftError: `made_for` is no stature.
+    """
+    stature = float(np.ptp(body.vertices[:, 1]))
+    scale = 1.0 if made_for is None else stature / _checked(made_for)
+    moved: dict[str, Panel] = {}
+    found = []
+    for part in parts(_scaled(pattern, scale)):
+        placed, report = _stood(part, body, scale)
+        moved |= placed.by_name
+        found.append(report)
+    return replace(pattern, panels=tuple(moved[p.name] for p in pattern.panels)), tuple(found)
+
+
+def _stood(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Standing]:
+    pieces = pieces_of(pattern)
+    hold = hold_of(pattern, pieces, body)
+    place = {
+        Held.SHOULDERS: _on_shoulders,
+        Held.WAIST: _at_waist,
+        Held.CHEST: _at_chest,
+    }[hold.held](pattern, pieces, hold, body)
+    forward = _forward(pieces, body, place.up)
+    report = Standing(
+        held=hold.held,
+        why=hold.why,
+        sure=hold.sure,
+        panels=frozenset(pieces),
+        edges=tuple(edge.side for edge in place.edges),
+        seams=tuple(side for seam in hold.seams for side in seam.sides),
+        lifted=place.up,
+        forward=forward,
+        scale=scale,
+        level=place.level,
+        length=place.length,
+        girth=place.girth,
+        holds=place.holds,
+        drawn_to=place.drawn_to,
+    )
+    return _moved(pattern, place.up, forward), report
+
+
+def _checked(stature: float) -> float:
+    low, high = STATURES
+    if not low <= stature <= high:
+        raise DraftError(
+            f"a pattern cannot be made for a stature of {stature:g} cm; give {low:g} to {high:g} cm"
+        )
+    return stature
+
+
+# --- Moving --------------------------------------------------------------------------------------
+
+
+def _moved(pattern: Pattern, up: float, forward: float) -> Pattern:
+    if up == forward == 0:
+        return pattern
+    return replace(pattern, panels=tuple(_moved_panel(p, up, forward) for p in pattern.panels))
+
+
+def _moved_panel(panel: Panel, up: float, forward: float) -> Panel:
+    x, y, z = panel.translation
+    return replace(panel, translation=(x, y + up, z + forward))
+
+
+def _scaled(pattern: Pattern, scale: float) -> Pattern:
+    """Panels and their places, as seen from the origin."""
+    if scale == 1:
+        return pattern
+    return replace(pattern, panels=tuple(_scaled_panel(p, scale) for p in pattern.panels))
+
+
+def _scaled_panel(panel: Panel, scale: float) -> Panel:
+    x, y, z = panel.translation
+    return replace(
+        panel,
+        outline=_scaled_loop(panel.outline, scale),
+        holes=tuple(_scaled_loop(hole, scale) for hole in panel.holes),
+        translation=(x * scale, y * scale, z * scale),
+    )
+
+
+def _scaled_loop(loop: Loop, scale: float) -> Loop:
+    return replace(
+        loop,
+        vertices=tuple((x * scale, y * scale) for x, y in loop.vertices),
+        edges=tuple(_scaled_edge(edge, scale) for edge in loop.edges),
+    )
+
+
+def _scaled_edge(edge: Edge, scale: float) -> Edge:
+    """Only arcs hold a length; control points are relative to the edge."""
+    if not isinstance(edge.curvature, Circle):
+        return edge
+    return replace(edge, curvature=replace(edge.curvature, radius=edge.curvature.radius * scale))
+
+
+# --- Height --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Place:
+    """How far up a garment goes, and the fields of `Standing` that say what holds it there."""
+
+    up: float
+    edges: tuple[WorldEdge, ...]
+    level: float
+    length: float = 0.0
+    girth: float = 0.0
+    holds: bool = False
+    drawn_to: float = 0.0
+
+
+def _on_shoulders(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
+    neck = float(body.landmarks["left_neck_point"][1])
+    over = _over_shoulders([seam.points for seam in hold.seams], body)
+    if len(over):
+        up = drawn_over(body) - float(over.min())
+    else:
+        # Seams beyond the shoulders, or sleeves that go up to the neckline.
+        up = neck - (mean_height(hold.edges) if hold.edges else _highest(pieces))
+    if _has_one_strap(hold):
+        return _tight_at_chest(pieces, hold.edges, body, up - drawn_over(body) + TOUCH)
+    return _Place(up, hold.edges, neck)
+
+
+def _has_one_strap(hold: Hold) -> bool:
+    """Whether only one shoulder carries it, so that its top edge has to hold it on the other."""
+    middles = [float(seam.points[:, 0].mean()) for seam in hold.seams]
+    return bool(middles) and len({x > 0 for x in middles}) == 1
+
+
+def _over_shoulders(seams: Sequence[Points], body: Body) -> Float[np.ndarray, " n"]:
+    """How far the points of seams lie over the line from neck point to shoulder point [cm]."""
+    if not seams:
+        return np.empty(0)
+    neck, end = body.landmarks["left_neck_point"], shoulder(body)
+    points = np.concatenate(seams)
+    away = np.abs(points[:, 0])
+    on = (away >= neck[0]) & (away <= OFF_SHOULDER * end[0])
+    line = np.interp(away[on], [neck[0], end[0]], [neck[1], end[1]])
+    return points[on, 1] - line
+
+
+def _highest(pieces: Mapping[str, Piece]) -> float:
+    return max(float(e.points[:, 1].max()) for piece in pieces.values() for e in piece.edges)
+
+
+def _at_waist(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
+    """The top edge at the waist, or as far down as the body is thick enough to hold it."""
+    waist, crotch = waist_height(body), float(body.landmarks["crotch"][1])
+    edges, band = hold.edges, band_height(pattern, pieces, hold.edges)
+    length, round_waist = sum(e.length for e in edges), girth(body, waist)
+    ring = below_band(pattern, pieces, edges) if 0 < band <= FRILL else ()
+    if ring and (narrow := sum(seam_length(pattern, e) for e in ring)) < length - EASE:
+        # A frill is worn by its lower edge.
+        edges, length, band = ring, narrow, 0.0
+    top = mean_height(edges) if edges else _highest(pieces)
+    shortest = length - EASE
+    if shortest > round_waist and _has_elastic(pattern, edges):
+        shortest = DRAWN_TOGETHER * length
+    levels = np.arange(waist, crotch, -LEVEL_STEP).tolist()
+    fits = next((y for y in levels if girth(body, y) >= shortest), None)
+    level = waist if fits is None else fits
+    # What is shorter than the body is round is tight already.
+    loose = fits is not None and length > girth(body, level)
+    drawn_to = girth(body, level) - TIGHT if loose else length
+    if level == waist:
+        level += min(band, BAND_ABOVE) if band <= BAND else 0.0
+    up = level - top
+    if hold.crotch is not None:
+        up = min(up, crotch - CROTCH_ROOM - hold.crotch)
+    return _Place(up, edges, top + up, length, round_waist, fits is not None, drawn_to)
+
+
+def on_hips(body: Body) -> float:
+    """How far below the waist clothes that sit on the hips are worn, at most [cm]."""
+    return ON_HIPS * (waist_height(body) - float(body.landmarks["crotch"][1]))
+
+
+def _has_elastic(pattern: Pattern, edges: Sequence[WorldEdge]) -> bool:
+    """Whether all of the top edge is labelled to be drawn together."""
+    labels = [pattern.by_name[e.side.panel].edges[e.side.edge].label for e in edges]
+    return bool(labels) and set(labels) == {ELASTIC}
+
+
+def _at_chest(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
+    """The top edge over the bust; it holds where the garment is tight enough under it."""
+    level, edges = chest_level(body), hold.edges
+    if not edges:
+        return _Place(level - _highest(pieces), (), level)
+    return _tight_at_chest(
+        pieces, edges, body, level - max(mean_height(edges), _side_height(edges))
+    )
+
+
+def _side_height(edges: Sequence[WorldEdge]) -> float:
+    """Height of a top edge at the wearer's sides [cm]."""
+    points = np.concatenate([e.points for e in edges])
+    return float(points[np.abs(points[:, 0]).argmax(), 1])
+
+
+def _tight_at_chest(
+    pieces: Mapping[str, Piece], edges: tuple[WorldEdge, ...], body: Body, up: float
+) -> _Place:
+    """A garment moved `up` that is held where it is tightest under its top edge at the sides."""
+    side = min(_side_height(edges), chest_level(body) - up)
+    heights = np.arange(side - LEVEL_STEP, side - TIGHT_WITHIN, -LEVEL_STEP).tolist()
+    widths = [(girth_at(pieces, y), girth(body, y + up)) for y in heights]
+    widths = [(own, around) for own, around in widths if own > 0]
+    if not widths:
+        return _Place(up, edges, mean_height(edges) + up)
+    length, around = min(widths, key=lambda pair: pair[0] - pair[1])
+    return _Place(up, edges, mean_height(edges) + up, length, around, length <= around + EASE)
+
+
+# --- Depth ---------------------------------------------------------------------------------------
+
+
+def _forward(pieces: Mapping[str, Piece], body: Body, up: float) -> float:
+    """How far the panels must go forward for the body to be between front and back [cm].
+
+    The back comes to lie `DEPTH_ROOM` behind it, or the body midway where there is less room, and
+    nearly midway where there is far more.
+    """
+    depths = np.array([piece.centre[2] for piece in pieces.values()])
+    areas = np.array([piece.area for piece in pieces.values()])
+    heights = np.concatenate([e.points[:, 1] for piece in pieces.values() for e in piece.edges])
+    low, high = _body_depths(body, heights.min() + up, heights.max() + up)
+    if np.ptp(depths) < DEPTH_GAP:
+        return (low + high) / 2 - float(np.average(depths, weights=areas))
+    share = (depths - depths.min()) / np.ptp(depths)
+    front, back = (
+        float(np.average(depths[at_end], weights=areas[at_end]))
+        for at_end in (share >= 1 - DEPTH_END, share <= DEPTH_END)
+    )
+    midway = ((front - back) - (high - low)) / 2
+    return low - max(min(DEPTH_ROOM, midway), midway - BACK_NEARER) - back
+
+
+def _body_depths(body: Body, bottom: float, top: float) -> tuple[float, float]:
+    """Depths of the back and of the front of the trunk between two heights [cm]."""
+    place = body.landmarks
+    bottom, top = max(bottom, place["crotch"][1]), min(top, place["left_neck_point"][1])
+    x, y, z = body.vertices.T
+    trunk = z[(y >= bottom) & (y <= top) & (np.abs(x) < place["left_shoulder_joint"][0])]
+    return (float(trunk.min()), float(trunk.max())) if len(trunk) else (0.0, 0.0)

@@ -1,0 +1,116 @@
+"""Sleeves begin along the arms.
+
+Panels that lie wholly beyond a shoulder turn and move in the picture plane, until their middle line
+is the arm's.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.start.sides import Marks, chest, faces_front, of_side
+
+SLEEVE_INNER = 0.2
+"""Sleeves stay outside of this share of the shoulder joint's distance from the middle."""
+UNDER_TOP = 8.0
+"""The arm goes through a wide sleeve this far under its top [cm]."""
+SHORTEST_TURNED = 5.0
+"""A sleeve shorter than this is moved, but not turned [cm]."""
+
+
+def lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
+    """Lay the sleeve of one side (1: left) along the arm, turned and moved in the picture plane.
+
+    The arm goes through the armhole and through the narrowest line across the sleeve's end, in the
+    middle of narrow ones and `UNDER_TOP` under the top of wide ones, which hang down from it.
+    """
+    shoulder, wrist = (of_side(marks, f"left_{n}_joint", side)[:2] for n in ("shoulder", "wrist"))
+    sleeve = _sleeve(cloth, corners, marks, side)
+    armhole = corners[_armhole(cloth, sleeve), :2]
+    rings = [corners[ring, :2] for ring in _rings(cloth, sleeve)]
+    if not len(armhole) or not rings:
+        return
+    way = rings[0].mean(axis=0) - armhole.mean(axis=0)
+    up = side * np.array([-way[1], way[0]])
+    into, out = _arms_place(armhole, up), _arms_place(min(rings, key=lambda r: np.ptp(r @ up)), up)
+    arm = wrist - shoulder
+    long_enough = np.hypot(*(out - into)) > SHORTEST_TURNED
+    turn = _angle(arm) - _angle(out - into) if long_enough else 0.0
+    cos, sin = np.cos(turn), np.sin(turn)
+    turned = (corners[sleeve, :2] - out) @ np.array([[cos, sin], [-sin, cos]])
+    across = np.array([-arm[1], arm[0]]) / np.hypot(*arm)
+    corners[sleeve, :2] = out + turned + ((shoulder - out) @ across) * across
+
+
+def _sleeve(
+    cloth: Cloth, corners: np.ndarray, marks: Marks, side: int
+) -> Bool[np.ndarray, " corner"]:
+    """Corners of the panels round the arm of one side: sleeves, and cuffs sewn to them.
+
+    Panels of a wide skirt lie as far out, but begin no higher than the waist. The halves of a wide
+    jacket's front do begin there, but no panel beside them is their back.
+    """
+    panels = cloth.pattern.panels
+    reach = marks["left_shoulder_joint"][0]
+    least = chest(marks)
+    outer, high = set(), set()
+    for k, panel in enumerate(panels):
+        x, y = side * corners[cloth.panel == k, 0], corners[cloth.panel == k, 1]
+        if x.min() > SLEEVE_INNER * reach and x.mean() > reach:
+            outer.add(panel.name)
+            if y.max() > least:
+                high.add(panel.name)
+    halves = {
+        half.panel
+        for stitch in cloth.pattern.stitches
+        if {s.panel for s in stitch.sides} <= outer
+        and faces_front(cloth, stitch.a) != faces_front(cloth, stitch.b)
+        for half in stitch.sides
+    }
+    found = halves & high
+    joined = [{s.panel for s in stitch.sides} for stitch in cloth.pattern.stitches]
+    growing = True
+    while growing:
+        more = {n for pair in joined if pair & found for n in pair & halves} - found
+        found |= more
+        growing = bool(more)
+    return np.isin(cloth.panel, [k for k, panel in enumerate(panels) if panel.name in found])
+
+
+def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarray, " corner"]:
+    """Corners along which a sleeve is sewn to the trunk."""
+    trunk = np.zeros(cloth.vertex_count, bool)
+    trunk[cloth.vertex[~sleeve]] = True
+    return sleeve & trunk[cloth.vertex]
+
+
+def _rings(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> list[Int[np.ndarray, " n"]]:
+    """Corners on lines across a sleeve: its free edges, and the seams of a cuff."""
+    pattern, rings = cloth.pattern, []
+    free = [
+        line
+        for side, line in cloth.sides.items()
+        if side not in pattern.partners and sleeve[line[0]]
+    ]
+    if free:
+        rings.append(np.concatenate(free))
+    for stitch in pattern.stitches:
+        a, b = (cloth.sides[side] for side in stitch.sides)
+        across = faces_front(cloth, stitch.a) == faces_front(cloth, stitch.b)
+        if across and stitch.a.panel != stitch.b.panel and sleeve[a[0]] and sleeve[b[0]]:
+            rings.append(a)
+    return rings
+
+
+def _arms_place(
+    opening: Float[np.ndarray, "n 2"], up: Float[np.ndarray, " 2"]
+) -> Float[np.ndarray, " 2"]:
+    """Where the arm goes through an opening of a sleeve."""
+    height = opening @ up
+    top, bottom = opening[height.argmax()], opening[height.argmin()]
+    width = float(np.hypot(*(bottom - top)))
+    return top + (bottom - top) * (min(width / 2, UNDER_TOP) / max(width, 1e-9))
+
+
+def _angle(way: Float[np.ndarray, " 2"]) -> float:
+    return float(np.arctan2(way[1], way[0]))

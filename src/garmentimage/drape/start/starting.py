@@ -1,0 +1,52 @@
+"""Where the cloth begins: panels round the body, sleeves along its arms, trousers along its legs.
+
+Patterns are drawn for bodies that hold their arms and legs otherwise than ours: arms stretched out
+or 45 degrees down, legs 20 degrees apart or together. A limb that begins outside of its sleeve or
+trouser leg would stay outside. So before the panels are sewn, sleeves are laid along the arms
+(`sleeves`), collars round the neck (`collars`), wide skirts hung (`skirts`), and trousers laid
+along the legs (`legs`).
+
+This moves where the cloth begins, not what it is: at rest it is as long as the flat panels are.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.body import Body
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.start.collars import lay_collar
+from garmentimage.drape.start.legs import clear_feet, shift_leg
+from garmentimage.drape.start.placement import Standing
+from garmentimage.drape.start.skirts import hang_skirts
+from garmentimage.drape.start.sleeves import lay_sleeve
+
+
+def start_points(
+    cloth: Cloth, body: Body, standings: Sequence[Standing] = ()
+) -> Float[np.ndarray, "vertex 3"]:
+    """Where every vertex begins: halfway between the corners that are sewn into it [cm].
+
+    Args:
+        cloth: the sewn garment, its panels where the body wears them.
+        body: who wears it.
+        standings: where each piece of clothing was put.
+    """
+    corners = np.empty((len(cloth.flat), 3))
+    for k, panel in enumerate(cloth.pattern.panels):
+        own = cloth.panel == k
+        corners[own] = panel.to_world(cloth.flat[own])
+    marks = body.landmarks
+    if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= marks.keys():
+        for side in (1, -1):
+            lay_sleeve(cloth, corners, marks, side)
+        hang_skirts(cloth, corners, marks, standings)
+    if {"left_neck_point", "neck_joint"} <= marks.keys():
+        lay_collar(cloth, corners, marks)
+    if {"left_knee_joint", "left_ankle_joint"} <= marks.keys():
+        clear_feet(corners, body)
+    if {"left_hip_joint", "left_ankle_joint", "crotch"} <= marks.keys():
+        for side in (1, -1):
+            shift_leg(cloth, corners, marks, side)
+    return cloth.sewn(corners)

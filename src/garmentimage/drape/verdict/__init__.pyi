@@ -1,0 +1,3 @@
+from .judging import (
+    judge as judge,
+)

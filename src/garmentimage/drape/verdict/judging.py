@@ -1,0 +1,270 @@
+"""Judging a drape: what a buyer would ask, and what makes it a failure."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.body import Body
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.components import Item
+from garmentimage.drape.fit import tight_places
+from garmentimage.drape.girths import shoulder, waist_height
+from garmentimage.drape.mesh import Rest, most_strain, strain
+from garmentimage.drape.solver import Motion, body_field
+from garmentimage.drape.start import EASE, ELASTIC, TIGHT, Standing, on_hips
+from garmentimage.drape.support import Held
+from garmentimage.drape.verdict.intersections import crossing_count
+from garmentimage.drape.verdict.openings import BONES, bones, is_beyond, openings, turns
+from garmentimage.drape.verdict.skin import deepest
+from garmentimage.drape.worn import DrapeReport
+
+DEEPEST = 0.5
+"""Cloth may lie this far under the skin [cm]."""
+MOST_STRAIN = 0.25
+"""All but a hundredth of the cloth, by area, may stretch by this share."""
+MOST_SLID = 3.0
+"""A garment may lie this far from where it is worn [cm]; what sits on the hips, further."""
+HIGH_WAIST = 8.0
+"""A top edge at the waist may lie this far above it [cm], as those of waistbands do."""
+SPACING = 4.0
+"""Cloth lies on the shoulders where a vertex is no further from their line than this [cm]: seams
+are moved to the back or to the front of them, and vertices lie 3 cm apart."""
+RESTING = 25
+"""So many percent of the cloth over the shoulders should rest on them; a hood's does not all."""
+
+
+def judge(
+    cloth: Cloth,
+    rest: Rest,
+    start: Float[np.ndarray, "vertex 3"],
+    points: Float[np.ndarray, "vertex 3"],
+    body: Body,
+    items: tuple[Item, ...],
+    motions: tuple[Motion, ...],
+    *,
+    seconds: float,
+) -> DrapeReport:
+    """What came of a drape.
+
+    Args:
+        cloth: the sewn garment ...
+        rest: ... and what it is without strain.
+        start: where its vertices began [cm].
+        points: where they are now [cm].
+        body: who wears it.
+        items: its connected pieces ...
+        motions: ... and how each of them moved.
+        seconds: what it took so far.
+    """
+    settled = all(m.settled for m in motions)
+    frames = max(m.frames for m in motions)
+    speed = max(float(m.speeds[-1]) for m in motions)
+    above = body_field(body).at(points)
+    penetration = deepest(points, rest.faces, body)
+    stretch = most_strain(rest, points)
+    tight = tight_places(cloth, strain(rest, points), points, body) if stretch > MOST_STRAIN else ""
+    slid = _slid(points, start, above, body, items)
+    return DrapeReport(
+        settled=settled,
+        frames=frames,
+        speed=speed,
+        penetration=penetration,
+        strain=stretch,
+        slid=slid,
+        crossings=crossing_count(points, rest.faces),
+        held=sum(len(i.held) for i in items) / len(points),
+        items=len(items),
+        faults=(
+            *_motion_faults(settled, frames, speed, penetration, stretch, tight),
+            *_slid_faults(points, start, above, body, items),
+            *_limb_faults(rest.faces, start, points, body),
+        ),
+        notes=_notes(items, body),
+        seconds=seconds,
+    )
+
+
+def _slid(
+    points: np.ndarray,
+    start: np.ndarray,
+    above: np.ndarray,
+    body: Body,
+    items: tuple[Item, ...],
+) -> Mapping[str, float]:
+    """How far each item lies from where it is worn, the worst of each kind [cm]."""
+    slid: dict[str, float] = {}
+    for item in items:
+        name = item.standing.held.value
+        slid[name] = max(slid.get(name, 0.0), _off(item, points, start, above, body))
+    return slid
+
+
+def _off(item: Item, points: np.ndarray, start: np.ndarray, above: np.ndarray, body: Body) -> float:
+    """How far an item lies from where the body wears it [cm].
+
+    At the waist: how far its top edge lies below the waist, or above where a waistband reaches. At
+    the chest: how far its top edge lies from its height over the bust. On the shoulders: how far
+    the cloth that should lie on them is from their skin, or from the line along them.
+    """
+    if item.standing.held is Held.SHOULDERS:
+        where = item.seams
+        if not len(where):
+            highest = points[item.vertices, 1].max()
+            return max(0.0, float(body.landmarks["left_neck_point"][1] - highest))
+        rests = item.resting if len(item.resting) else where
+        off = max(float(np.percentile(above[rests], RESTING)), _from_shoulders(points[where], body))
+    else:
+        where = item.top if len(item.top) else item.vertices
+        height = max(float(points[where, 1].mean()), 0.0)
+        if item.standing.held is Held.WAIST:
+            over = height - waist_height(body)
+            off = max(-over, over - HIGH_WAIST, 0.0)
+        else:
+            off = abs(height - item.standing.level)
+    return max(off, _aside(start[where, 0], points[where, 0]))
+
+
+def _from_shoulders(points: Float[np.ndarray, "n 3"], body: Body) -> float:
+    """How far cloth lies from the shoulders [cm]: the nearest of it, on the worse of its sides."""
+    neck, end = body.landmarks["left_neck_point"], shoulder(body)
+    worst = 0.0
+    for side in (1, -1):
+        own = points[side * points[:, 0] > 0] * [side, 1, 1]
+        if len(own):
+            line = neck + np.linspace(0, 1, 9)[:, None] * (end - neck)
+            worst = max(worst, float(np.linalg.norm(own[:, None] - line, axis=2).min()))
+    return max(0.0, worst - SPACING)
+
+
+def _aside(before: Float[np.ndarray, " n"], after: Float[np.ndarray, " n"]) -> float:
+    """How far cloth moved to one side [cm]; 0 where it lies on one side only, as one strap does."""
+    left, right = before > 0, before < 0
+    if not left.any() or not right.any():
+        return 0.0
+    moved = after - before
+    return abs(float(moved[left].mean() + moved[right].mean())) / 2
+
+
+def _motion_faults(
+    settled: bool,
+    frames: int,
+    speed: float,
+    penetration: float,
+    stretch: float,
+    tight: str,
+) -> list[str]:
+    faults = []
+    if not settled:
+        faults.append(f"it still moved after {frames} frames ({speed:.1f} cm/s)")
+    if penetration > DEEPEST:
+        faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {DEEPEST})")
+    if stretch > MOST_STRAIN:
+        faults.append(
+            f"it is too tight: stretched by {stretch:.1%} (at most {MOST_STRAIN:.0%}), {tight}"
+        )
+    return faults
+
+
+def _slid_faults(
+    points: np.ndarray,
+    start: np.ndarray,
+    above: np.ndarray,
+    body: Body,
+    items: tuple[Item, ...],
+) -> list[str]:
+    """What does not lie where the body wears it, and why."""
+    faults = []
+    for item in items:
+        standing = item.standing
+        far = _off(item, points, start, above, body)
+        limit, sank = MOST_SLID, 0.0
+        if standing.held is Held.WAIST and standing.holds:
+            # Worn on the hips, as its top edge is too long for the waist; but there it must stay.
+            limit = on_hips(body)
+            sank = standing.level - float(points[item.top, 1].mean()) if len(item.top) else 0.0
+        if far > limit or sank > MOST_SLID:
+            place = standing.held.value
+            faults.append(f"it slid {far:.1f} cm from the {place}{_too_wide(standing)}")
+    return faults
+
+
+def _too_wide(standing: Standing) -> str:
+    """Why it slid, and what to do, where that is known."""
+    if standing.held is Held.SHOULDERS or standing.length <= standing.girth:
+        return f" (at most {MOST_SLID:g})"
+    at_waist = standing.held is Held.WAIST
+    what = "its top edge" if at_waist else "under its top edge it"
+    elastic = f", label its edges {ELASTIC!r} for an elastic" if at_waist else ""
+    return (
+        f": {what} is {standing.length:.0f} cm round, the body's {standing.held.value} "
+        f"{standing.girth:.0f}; take it in, sew it to a shorter band{elastic}, or choose a larger "
+        "body"
+    )
+
+
+def _notes(items: tuple[Item, ...], body: Body) -> tuple[str, ...]:
+    """What a buyer should know of how the garment was put on."""
+    notes = []
+    for item in items:
+        standing, name = item.standing, _name(item.standing)
+        place = standing.held.value
+        if not standing.sure:
+            notes.append(
+                f"{name} was taken for one worn at the {place} only because {standing.why}; "
+                "if that is wrong, name the panels at its top, such as skirt_front or bodice_front"
+            )
+        below = waist_height(body) - standing.level
+        if 0 < standing.drawn_to < standing.length - EASE - TIGHT:
+            notes.append(
+                f"the top edge of {name}, {standing.length:.0f} cm long, is drawn together to "
+                f"{standing.drawn_to:.0f} cm, as by an elastic"
+            )
+        elif standing.held is Held.WAIST and standing.holds and below > MOST_SLID:
+            why = (
+                f"its top edge is {standing.length:.0f} cm round, the body's waist "
+                f"{standing.girth:.0f}"
+                if standing.length > standing.girth + EASE
+                else "its crotch would be over the body's"
+            )
+            notes.append(f"{name} sits on the hips, {below:.0f} cm below the waist: {why}")
+    return tuple(notes)
+
+
+def _name(standing: Standing) -> str:
+    return f"the garment of panel {min(standing.panels)[:40]!r}"
+
+
+def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body: Body) -> list[str]:
+    """Limbs that cloth went through, and clothing with no limb in it.
+
+    A bone that leaves through one opening only, as the head does, has no turns left when those of
+    all openings are added up; else it goes through cloth. Where none did at the start (flat panels
+    may begin beside a limb), the turns of each opening must have stayed, too: both legs in one
+    trouser leg go through no cloth. A hood may begin over the face and come to lie round it, so
+    that its opening may pass the head.
+    """
+    lines = bones(body)
+    if lines is None:
+        return []
+    limbs = tuple(BONES)[1:]
+    found = openings(faces)
+    before = np.array([turns(start[o], lines) for o in found]).reshape(-1, len(limbs))
+    after = np.array([turns(points[o], lines) for o in found]).reshape(-1, len(limbs))
+    if not after.any():
+        return [
+            "the body is not in the garment: nothing closes round it; place its panels in front of "
+            "the body and behind it, and sew them together on both sides"
+        ]
+    beyond = np.array([[is_beyond(points[o], lines[limb]) for limb in limbs] for o in found])
+    after = np.where(beyond, before, after)
+    began_through, through = before.sum(axis=0) != 0, after.sum(axis=0) != 0
+    if through.all() and np.ptp(after.sum(axis=0)) == 0:
+        hooded = start[:, 1].max() > lines["head"][-1, 1]
+        return [] if hooded else ["the head went through the cloth"]
+    left_opening = ~began_through & (after != before).any(axis=0)
+    return sorted(
+        f"the {limb} went through the cloth"
+        for limb, bad in zip(limbs, through | left_opening)
+        if bad
+    )

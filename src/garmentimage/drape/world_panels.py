@@ -1,0 +1,256 @@
+"""Panels in the world: what a pattern tells of a garment before it is cloth.
+
+Words of this file:
+
+- An **opening** is a connected line of free edges, once the panels are sewn: a neckline, a hem.
+- An opening is **one-sided** where it lies on one side of the wearer, as that of a sleeve does.
+- A panel lies on the **trunk** where it comes near the middle; sleeves do not.
+- The **crotch** is where a seam between the wearer's sides meets an inseam.
+
+Nothing here depends on where the origin of the pattern's file is, but for the middle plane (x = 0).
+"""
+
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.pattern import Panel, Pattern, Side
+from garmentimage.pattern.checks import components
+
+NEAR_AXIS = 8.0
+"""A panel that comes nearer than this to the middle [cm] belongs to the trunk; sleeves do not."""
+MIDDLE = 3.0
+"""A panel whose middle is no further than this from the plane of symmetry [cm] is on no side."""
+OVER_MIDDLE = 0.15
+"""A one-sided opening goes over the middle by this share of its reach at most."""
+FACING = 0.5
+"""Least upward part of the unit direction in which the middle of an edge that faces up faces out of
+its panel; the same downward."""
+SHARES = np.linspace(0, 1, 9)
+"""Where along an edge its points are taken."""
+
+Points = Float[np.ndarray, "_ 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class WorldEdge:
+    """An edge of a panel in the world."""
+
+    side: Side
+    points: Points
+    length: float
+    """[cm]"""
+    up: float
+    """Upward part of the unit direction in which its middle faces out of the panel."""
+
+    @property
+    def faces_up(self) -> bool:
+        """Whether its middle faces up."""
+        return self.up > FACING
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A panel in the world."""
+
+    panel: Panel
+    edges: tuple[WorldEdge, ...]
+    """Numbered as the panel's: outer loop first, then holes."""
+    centre: Float[np.ndarray, " 3"]
+    """Middle of its bounding box [cm]."""
+    area: float
+    """[cm²]"""
+
+    @property
+    def on_trunk(self) -> bool:
+        """Whether it comes near the middle."""
+        return min(float(np.abs(e.points[:, 0]).min()) for e in self.edges) < NEAR_AXIS
+
+
+@dataclass(frozen=True, eq=False)
+class Opening:
+    """A connected line of free edges."""
+
+    edges: tuple[WorldEdge, ...]
+
+    @cached_property
+    def points(self) -> Points:
+        """Points along its edges."""
+        return np.concatenate([e.points for e in self.edges])
+
+    @cached_property
+    def height(self) -> float:
+        """Mean height, by length [cm]."""
+        return mean_height(self.edges)
+
+    @cached_property
+    def one_sided(self) -> bool:
+        """Whether it lies on one side of the wearer."""
+        low, high = float(self.points[:, 0].min()), float(self.points[:, 0].max())
+        return min(-low, high) < OVER_MIDDLE * max(-low, high)
+
+
+def mean_height(edges: Sequence[WorldEdge]) -> float:
+    """Mean height of edges, by length [cm]."""
+    heights = [float(np.trapezoid(e.points[:, 1], SHARES)) for e in edges]
+    return float(np.average(heights, weights=[max(e.length, 1e-9) for e in edges]))
+
+
+def pieces_of(pattern: Pattern) -> Mapping[str, Piece]:
+    """Every panel in the world, by name."""
+    return {panel.name: _piece(panel) for panel in pattern.panels}
+
+
+def _piece(panel: Panel) -> Piece:
+    matrix = panel.matrix
+    middle = len(SHARES) // 2
+    edges: list[WorldEdge] = []
+    for k, loop in enumerate(panel.loops):
+        # The outer side of an edge is on its right where its loop runs counter-clockwise, and a
+        # hole's lies within the hole.
+        turn = np.sign(loop.area) * (1 if k == 0 else -1)
+        for curve in loop.curves:
+            flat = curve.at(SHARES)
+            along = flat[middle + 1] - flat[middle - 1]
+            up = turn * (along[1] * matrix[1, 0] - along[0] * matrix[1, 1])
+            up = float(up / max(np.hypot(*along), 1e-12))
+            points = flat @ matrix[:, :2].T + panel.translation
+            edges.append(WorldEdge(Side(panel.name, len(edges)), points, curve.length, up))
+    points = np.concatenate([e.points for e in edges])
+    return Piece(panel, tuple(edges), (points.min(0) + points.max(0)) / 2, abs(panel.outline.area))
+
+
+def parts(pattern: Pattern) -> list[Pattern]:
+    """The pieces of clothing of a pattern that are not sewn to each other, in the file's order."""
+    found = []
+    for names in components(pattern):
+        own = set(names)
+        panels = tuple(panel for panel in pattern.panels if panel.name in own)
+        stitches = tuple(stitch for stitch in pattern.stitches if stitch.a.panel in own)
+        found.append(Pattern(panels, stitches, pattern.name))
+    return found
+
+
+def openings_of(pattern: Pattern, pieces: Mapping[str, Piece]) -> list[Opening]:
+    """The openings of a garment."""
+    root: dict[Any, Any] = {}
+    for panel in pattern.panels:
+        first = 0
+        for loop in panel.loops:
+            count = len(loop.edges)
+            for k in range(count):
+                side = Side(panel.name, first + k)
+                _join(root, (side, 1), (Side(panel.name, first + (k + 1) % count), 0))
+            first += count
+    for stitch in pattern.stitches:
+        for end in (0, 1):
+            _join(root, (stitch.a, end), (stitch.b, end if stitch.same_direction else 1 - end))
+    free = [e for p in pieces.values() for e in p.edges if e.side not in pattern.partners]
+    line: dict[Any, Any] = {}
+    for edge in free:
+        _join(line, _find(root, (edge.side, 0)), _find(root, (edge.side, 1)))
+    found: dict[Any, list[WorldEdge]] = {}
+    for edge in free:
+        found.setdefault(_find(line, _find(root, (edge.side, 0))), []).append(edge)
+    return [Opening(tuple(edges)) for edges in found.values()]
+
+
+def _find(root: dict[Any, Any], key: Any) -> Any:
+    root.setdefault(key, key)
+    while root[key] != key:
+        root[key] = root[root[key]]
+        key = root[key]
+    return key
+
+
+def _join(root: dict[Any, Any], a: Any, b: Any) -> None:
+    root[_find(root, b)] = _find(root, a)
+
+
+def crotch_of(pattern: Pattern, pieces: Mapping[str, Piece], top: float) -> float | None:
+    """Height of the lowest crotch corner under `top` [cm]; None where there is none.
+
+    An inseam joins front and back of one leg. Hems and waists have no such corner.
+    """
+    heights = []
+    for piece in pieces.values():
+        count = len(piece.panel.outline.edges)
+        kinds = [_joins(pattern, pieces, edge.side) for edge in piece.edges[:count]]
+        for k, edge in enumerate(piece.edges[:count]):
+            if {kinds[k - 1], kinds[k]} == {"sides", "inseam"}:
+                heights.append(float(edge.points[0, 1]))
+    return min((y for y in heights if y < top), default=None)
+
+
+def _joins(pattern: Pattern, pieces: Mapping[str, Piece], side: Side) -> str:
+    """What an edge is sewn to: across the "sides" of the wearer, by an "inseam", or else."""
+    partner = pattern.partners.get(side)
+    if partner is None:
+        return "nothing"
+    (x, _, z), (u, _, w) = pieces[side.panel].centre, pieces[partner.panel].centre
+    if x * u < 0 and min(abs(x), abs(u)) > MIDDLE:
+        return "sides"
+    middle = middle_depth(pieces)
+    return "inseam" if (z - middle) * (w - middle) < 0 else "other"
+
+
+def middle_depth(pieces: Mapping[str, Piece]) -> float:
+    """Depth halfway between the panels that are furthest in front and behind [cm]."""
+    depths = [float(piece.centre[2]) for piece in pieces.values()]
+    return (min(depths) + max(depths)) / 2
+
+
+def girth_at(pieces: Mapping[str, Piece], height: float) -> float:
+    """How wide the panels are at a height, all together [cm]."""
+    total = 0.0
+    for piece in pieces.values():
+        points = piece.panel.to_world(piece.panel.outline.polygon)
+        a, b = points, np.roll(points, -1, axis=0)
+        crosses = (a[:, 1] > height) != (b[:, 1] > height)
+        share = (height - a[crosses, 1]) / (b[crosses, 1] - a[crosses, 1])
+        hits = a[crosses] + share[:, None] * (b[crosses] - a[crosses])
+        normal = piece.panel.matrix[:, 2]
+        along = np.sort(hits @ [normal[2], 0.0, -normal[0]])
+        total += float((along[1::2] - along[::2]).sum())
+    return total
+
+
+def band_height(pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]) -> float:
+    """How high the panels are that end in these edges above, and are sewn to others below [cm].
+
+    0 where one of them is not sewn to others below.
+    """
+    names = dict.fromkeys(edge.side.panel for edge in edges)
+    if any(not any(_goes_down(pattern, e, names) for e in pieces[n].edges) for n in names):
+        return 0.0
+    below = {n: [e for e in pieces[n].edges if _goes_down(pattern, e, names)] for n in names}
+    above = {n: [e for e in edges if e.side.panel == n] for n in names}
+    # Curved bands are as high as they are wide in the mean.
+    heights = [
+        2 * pieces[n].area / max(sum(e.length for e in (*above[n], *below[n])), 1e-9) for n in names
+    ]
+    return max(heights, default=0.0)
+
+
+def below_band(
+    pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]
+) -> tuple[WorldEdge, ...]:
+    """The lower edges of the waistband that ends in these edges above."""
+    names = dict.fromkeys(edge.side.panel for edge in edges)
+    return tuple(e for n in names for e in pieces[n].edges if _goes_down(pattern, e, names))
+
+
+def seam_length(pattern: Pattern, edge: WorldEdge) -> float:
+    """Length of an edge, or of what it is gathered to where that is shorter [cm]."""
+    partner = pattern.partners.get(edge.side)
+    return edge.length if partner is None else min(edge.length, pattern.curve(partner).length)
+
+
+def _goes_down(pattern: Pattern, edge: WorldEdge, names: Container[str]) -> bool:
+    """Whether an edge is sewn to what is below a band, none of whose panels it is."""
+    partner = pattern.partners.get(edge.side)
+    return edge.up < 0 and partner is not None and partner.panel not in names

@@ -1,0 +1,162 @@
+"""Edits whose answer is known: triplets of garments, and the garment that the edit should give.
+
+A and B are one design drafted without some part and with it, C is another design without it, and
+the truth is C's design with that part: the part's own parameters are those of B, all others those
+of C. So an edit C + (B - A) is right where it has the truth's topology, and its panels tell how
+well the rest was kept.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from garmentimage.body import BodyMeasurements, measurements
+from garmentimage.draft import KINDS, Value, sample
+from garmentimage.errors import DraftError, PatternError
+from garmentimage.pattern import Pattern
+
+BODY = "mean-female"
+SEED = 7_400_000
+"""Of the designs: no dataset has it."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """A kind of garment with some parameters fixed."""
+
+    kind: str
+    fixed: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Edit:
+    """What is changed, and on which garments."""
+
+    name: str
+    before: Made
+    after: Made
+    on: Made
+    truth: Made
+    brought: tuple[str, ...] = ()
+    """Parameters of the part: the truth has them from B."""
+    unseen: bool = False
+    """No garment of the truth's topology was trained on."""
+
+
+@dataclass(frozen=True)
+class Triplet:
+    """Garments of an edit."""
+
+    edit: Edit
+    number: int
+    a: Pattern
+    b: Pattern
+    c: Pattern
+    truth: Pattern
+
+
+def _made(kind: str, sleeves: str | None = "none", **fixed: Value) -> Made:
+    return Made(kind, ({} if sleeves is None else {"sleeves": sleeves}) | fixed)
+
+
+DRESS, JUMPSUIT = _made("one-panel-dress", cutout="none"), _made("one-panel-jumpsuit")
+TOP_PANTS, TOP_SKIRT = _made("top-pants"), _made("top-skirt")
+SLEEVED_DRESS = _made("one-panel-dress", "set-in", cutout="none")
+SLEEVED_PANTS, SLEEVED_SKIRT = _made("top-pants", "set-in"), _made("top-skirt", "set-in")
+
+
+def _shirt(panels: int, darts: str) -> Made:
+    return _made(
+        "shirt", None, panels_a_side=panels, front_darts=darts, back_darts=darts, cuffs="none"
+    )
+
+
+SLEEVE = ("sleeve_length", "cap_height", "cap_fullness", "sleeve_taper")
+DART = ("dart_place", "dart_width", "dart_reach")
+
+EDITS: Mapping[str, tuple[Edit, ...]] = {
+    "vae-topology": (
+        Edit("legs", DRESS, JUMPSUIT, DRESS, JUMPSUIT),
+        Edit("waist seam on jumpsuits", JUMPSUIT, TOP_PANTS, JUMPSUIT, TOP_PANTS),
+        Edit("waist seam on dresses", JUMPSUIT, TOP_PANTS, DRESS, TOP_SKIRT, unseen=True),
+    ),
+    "vae-variety": (
+        Edit("sleeves on dresses", TOP_PANTS, SLEEVED_PANTS, DRESS, SLEEVED_DRESS, SLEEVE),
+        Edit("sleeves on tops + skirts", DRESS, SLEEVED_DRESS, TOP_SKIRT, SLEEVED_SKIRT, SLEEVE),
+        Edit("waist seam on dresses", JUMPSUIT, TOP_PANTS, DRESS, TOP_SKIRT),
+        Edit("skirt to trousers", TOP_SKIRT, TOP_PANTS, SLEEVED_SKIRT, SLEEVED_PANTS),
+    ),
+    "vae-darts": (
+        Edit("darts on two panels", _shirt(2, "none"), _shirt(2, "waist"), _shirt(2, "none"),
+             _shirt(2, "waist"), DART),
+        Edit("two panels of one", _shirt(1, "none"), _shirt(2, "none"), _shirt(1, "none"),
+             _shirt(2, "none")),
+        Edit("darts on one panel", _shirt(2, "none"), _shirt(2, "waist"), _shirt(1, "none"),
+             _shirt(1, "waist"), DART, unseen=True),
+    ),
+}  # fmt: skip
+"""By recipe."""
+
+
+def triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
+    """Designs drawn at random, held out of every dataset by their seed.
+
+    Designs that cannot be drafted as one of the kinds are left out; so numbers may have gaps.
+    """
+    body = measurements(BODY)
+    found, number = 0, 0
+    while found < count:
+        one = dict(next(_drawn(edit.before, seed, number)))
+        two = dict(next(_drawn(edit.on, seed + 1, number)))
+        number += 1
+        brought = {name: one[name] for name in edit.brought}
+        try:
+            made = [
+                drafted(one, edit.before, edit.before, body),
+                drafted(one, edit.before, edit.after, body),
+                drafted(two, edit.on, edit.on, body),
+                drafted(two | brought, edit.on, edit.truth, body),
+            ]
+        except (DraftError, PatternError):
+            continue
+        found += 1
+        yield Triplet(edit, number - 1, *made)
+
+
+def drafted(design: Mapping[str, Any], of: Made, to: Made, body: BodyMeasurements) -> Pattern:
+    """A design of one kind as another: what both kinds have stays, as far as its range allows."""
+    known = dict(design) | _below_waist(design, of.kind, to.kind, body)
+    values: dict[str, Value] = {}
+    for name, parameter in KINDS[to.kind].parameters.items():
+        if name in known:
+            value = known[name]
+            values[name] = (
+                value if parameter.options else float(np.clip(value, parameter.low, parameter.high))
+            )
+    return KINDS[to.kind].draft(body, values | dict(to.fixed))
+
+
+def _below_waist(
+    design: Mapping[str, Any], of: str, to: str, body: BodyMeasurements
+) -> dict[str, Any]:
+    """What a dress or a skirt is below its waist, in the words of a skirt or of legs as long."""
+    if of == to:
+        return {}
+    if of == "one-panel-dress":
+        drop = design["body_length"]
+        skirt = {"skirt_flare": design["flare"], "skirt_slant": design["hem_slant"]}
+    elif of == "top-skirt":
+        drop, skirt = design["skirt_length"] * body.waist_height, {}
+    else:
+        return {}
+    if to == "top-skirt":
+        return {"skirt_length": drop / body.waist_height, "skirt_fullness": 1.0} | skirt
+    inside = drop - (body.waist_height - body.crotch_height)
+    return {"leg_length": inside / (body.crotch_height - body.ankle_height)}
+
+
+def _drawn(made: Made, seed: int, number: int) -> Iterator[Mapping[str, Any]]:
+    for each in sample(made.kind, 1, seed, body=BODY, fixed=made.fixed, first=number):
+        yield each.parameters

@@ -1,0 +1,263 @@
+"""Who guesses patterns from pictures: cascades, baselines, and anchors that need no network."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+from garmentimage.compare import validity
+from garmentimage.errors import DecodeError, LearnError
+from garmentimage.networks import step_of
+from garmentimage.pattern import Pattern
+from garmentimage.predict import PREDICTOR, PatternPredictor, certainty
+from garmentimage.raster.repair import RepairLevel
+from garmentimage.system import shown_path
+
+if TYPE_CHECKING:
+    from garmentimage.learn.data import Album
+
+Kind = Literal["cascade", "slots", "nearest", "random", "flags", "types", "vectors"]
+GIVEN: tuple[Kind, ...] = ("flags", "types", "vectors")
+"""Cascades that are given the truth, up to flags, edge types, or all: what each network loses."""
+SEED = 30
+THUMB = 32
+"""Pixels a side at which pictures are compared."""
+
+
+@dataclass(frozen=True)
+class Guesser:
+    """Who guesses."""
+
+    name: str
+    """Networks of one name differ in their seed only, and count as one."""
+    kind: Kind
+    folder: str = ""
+    """Of the network, if it is one."""
+    level: RepairLevel = "full"
+    """Of repair, where images are guessed."""
+
+    @property
+    def key(self) -> str:
+        """A name that no other has: of its records."""
+        parts = [self.name, self.level if self.level != "full" else "", Path(self.folder).name]
+        if self.folder and Path(self.folder).name == "model":
+            parts[-1] = Path(self.folder).parent.name
+        return " ".join(part for part in parts if part)
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A guessed pattern."""
+
+    pattern: Pattern | None
+    fault: str
+    """Why it cannot be cut and sewn; empty where it can."""
+    repairs: dict[str, int]
+    """What was repaired, and how often."""
+    confidence: float | None = None
+
+
+class Guessing(Protocol):
+    """Guesses patterns of the garments of an album."""
+
+    def __call__(self, album: "Album", number: int) -> Guess:
+        """The pattern of one of its pictures."""
+
+
+@cache
+def guessing(guesser: Guesser, data: str, held_out: str = "") -> Guessing:
+    """A guesser at work, made once in each process.
+
+    Args:
+        guesser: who.
+        data: folder of the dataset, for those who remember its training garments.
+        held_out: a type that they do not remember.
+
+    Raises:
+        LearnError: its network cannot be read.
+    """
+    folder = Path(guesser.folder)
+    if guesser.kind == "cascade":
+        return _Cascade(PatternPredictor(folder), guesser.level)
+    if guesser.kind == "slots":
+        return _Slots(folder)
+    if guesser.kind == "nearest":
+        return _Nearest(data, held_out)
+    if guesser.kind == "random":
+        return _random
+    return _Given(folder, guesser.kind, guesser.level)
+
+
+def kind_of_network(folder: Path) -> Kind:
+    """What a folder holds.
+
+    Raises:
+        LearnError: nothing that guesses patterns.
+    """
+    if (folder / PREDICTOR).is_file():
+        return "cascade"
+    if _slot_network(folder):
+        return "slots"
+    raise LearnError(
+        f"{shown_path(folder)}: holds no network that makes patterns of pictures; give the folder "
+        "`model` of a run"
+    )
+
+
+# --- Networks ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Cascade:
+    """Three U-Nets, in onnxruntime."""
+
+    network: PatternPredictor
+    level: RepairLevel
+
+    def __call__(self, album: "Album", number: int) -> Guess:
+        upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
+        channels = self.network.channels(upright[None])[0]
+        return _from_channels(channels, self.level)
+
+
+class _Given:
+    """The same, but told the truth of some of it."""
+
+    def __init__(self, folder: Path, given: Kind, level: RepairLevel) -> None:
+        import torch
+
+        from garmentimage.learn import load_weights
+        from garmentimage.learn.models import Cascade
+
+        torch.set_num_threads(1)
+        self.model, self.given, self.level = load_weights(Cascade, folder), given, level
+
+    def __call__(self, album: "Album", number: int) -> Guess:
+        import torch
+
+        garment = album.garments.batch(torch.tensor([number]))
+        with torch.no_grad():
+            channels = self.model.predict(garment.seen(), garment.rasters, GIVEN.index(self.given))
+        return _from_channels(channels[0].numpy(), self.level)
+
+
+class _Slots:
+    """A baseline that gives panels and stitches."""
+
+    def __init__(self, folder: Path) -> None:
+        import torch
+
+        from garmentimage.learn import load_weights
+        from garmentimage.learn.models import SLOT_NETWORKS
+
+        torch.set_num_threads(1)
+        self.model: Any = load_weights(SLOT_NETWORKS[_slot_network(folder)].network, folder)
+
+    def __call__(self, album: "Album", number: int) -> Guess:
+        import torch
+
+        from garmentimage.learn.data import pattern_from
+
+        seen = album.garments.batch(torch.tensor([number])).seen()
+        with torch.no_grad():
+            found = self.model.predict(seen)
+        try:
+            pattern = pattern_from(found, 0, self.model.config.words)
+        except DecodeError as error:
+            return Guess(None, str(error), {})
+        return _checked(pattern)
+
+
+def _slot_network(folder: Path) -> str:
+    """Which baseline a folder holds; empty if none."""
+    from garmentimage.learn.models import SLOT_NETWORKS
+
+    try:
+        config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
+        return config["network"] if config["network"] in SLOT_NETWORKS else ""
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""
+
+
+def _from_channels(channels: Float32[np.ndarray, "34 row col"], level: RepairLevel) -> Guess:
+    step = step_of(np.zeros(0, np.float32), channels, level)
+    repairs = dict(step.repairs.counts) if step.repairs else {}
+    fault = step.faults[0] if step.faults else ""
+    return Guess(step.pattern, fault, repairs, certainty(channels))
+
+
+def _checked(pattern: Pattern) -> Guess:
+    faults = validity(pattern)
+    return Guess(pattern, faults[0] if faults else "", {})
+
+
+# --- Anchors -------------------------------------------------------------------------------------
+
+
+class _Nearest:
+    """The garment of that picture of the training split which is nearest to it."""
+
+    def __init__(self, data: str, held_out: str) -> None:
+        from garmentimage.dataset import tables
+        from garmentimage.learn.data import PICTURE, pixels
+
+        self.data = data
+        self.patterns: list[str] = []
+        thumbs = []
+        for table in tables(data, "train", ["type", "pattern", PICTURE]):
+            types, patterns, pictures = (
+                table[name].to_pylist() for name in ("type", "pattern", PICTURE)
+            )
+            for name, pattern, picture in zip(types, patterns, pictures):
+                if name != held_out:
+                    self.patterns.append(pattern)
+                    thumbs.append(thumb(pixels(picture["bytes"])))
+        self.thumbs = np.stack(thumbs)
+
+    def __call__(self, album: "Album", number: int) -> Guess:
+        from garmentimage.dataset import patterns_of
+
+        apart = np.abs(self.thumbs - thumb(album.garments.pictures[number].numpy())).sum(1)
+        (pattern,) = patterns_of([self.patterns[int(apart.argmin())]], self.data)
+        return _checked(pattern)
+
+
+def thumb(picture: UInt8[np.ndarray, "3 row col"]) -> Float32[np.ndarray, " number"]:
+    """A picture as few numbers."""
+    size = picture.shape[1] // THUMB
+    blocks = picture.reshape(3, THUMB, size, THUMB, size).astype(np.float32)
+    return blocks.mean((2, 4)).ravel()
+
+
+def _random(album: "Album", number: int) -> Guess:
+    """Any other garment of the same type: what knowing the type alone is worth."""
+    from garmentimage.dataset import patterns_of
+
+    others = [k for k, t in enumerate(album.types) if t == album.types[number] and k != number]
+    if not others:
+        return Guess(None, "there is no other garment of its type", {})
+    chosen = others[int(np.random.default_rng([SEED, number]).integers(len(others)))]
+    (pattern,) = patterns_of([album.patterns[chosen]], "the dataset")
+    return _checked(pattern)
+
+
+def named(names: Sequence[str]) -> list[Guesser]:
+    """Guessers from `NAME=FOLDER`, or folders alone; cascades first.
+
+    Raises:
+        LearnError: a folder that holds none.
+    """
+    found = []
+    for each in names:
+        name, _, folder = each.rpartition("=")
+        place = Path(folder)
+        if (place / "model").is_dir():
+            place = place / "model"
+        label = name or (place.parent.name if place.name == "model" else place.name)
+        found.append(Guesser(label, kind_of_network(place), str(place)))
+    return sorted(found, key=lambda guesser: guesser.kind != "cascade")

@@ -1,0 +1,27 @@
+from .crossings import (
+    contains as contains,
+    touching_sides as touching_sides,
+)
+from .curves import (
+    CHORDS as CHORDS,
+    Arc as Arc,
+    Bezier as Bezier,
+    Curve as Curve,
+    Line as Line,
+    Point as Point,
+)
+from .heap import (
+    drop_first as drop_first,
+    push as push,
+)
+from .polygons import (
+    centroid as centroid,
+    lengths_along as lengths_along,
+    polyline_length as polyline_length,
+    resample as resample,
+    signed_area as signed_area,
+)
+from .union_find import (
+    merge as merge,
+    root_of as root_of,
+)

@@ -1,0 +1,141 @@
+"""Rasters of a dataset as compact arrays: what training keeps in memory."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float, Float32, Int8
+from torch import Tensor
+
+from garmentimage.dataset import rasters, tables
+from garmentimage.errors import DatasetError
+from garmentimage.raster import EDGE_TYPE_COUNT, BodyFrame
+from garmentimage.system import shown_path
+
+LAYERS = 2
+VECTOR_CM = 10.0
+"""Unit in which networks see how an edge vector differs from the grid's own [cm]."""
+INPUTS = LAYERS * (1 + 2 * EDGE_TYPE_COUNT + 8)
+"""Channels of an image, 34."""
+
+
+@dataclass  # not frozen: Fabric casts its fields where precision is mixed
+class Rasters:
+    """The images of some garments, front and back."""
+
+    inside: Int8[Tensor, "n 2 row col"]
+    types: Int8[Tensor, "n 4 row col"]
+    """`EdgeType` of the bottom and the left grid edge, front first."""
+    vectors: Float32[Tensor, "n 16 row col"]
+    """Edge vectors less those of the grid, in `VECTOR_CM`; 0 outside. float16."""
+
+    def __len__(self) -> int:
+        return len(self.inside)
+
+    @property
+    def grid(self) -> int:
+        """Cells a side, N."""
+        return self.inside.shape[-1]
+
+    def batch(self, numbers: Tensor) -> "Rasters":
+        """Some of them."""
+        return Rasters(self.inside[numbers], self.types[numbers], self.vectors[numbers])
+
+    def to(self, device: torch.device) -> "Rasters":
+        """The same on another device."""
+        return Rasters(self.inside.to(device), self.types.to(device), self.vectors.to(device))
+
+    def mirrored(self) -> "Rasters":
+        """The same garments with left and right exchanged."""
+        types = self.types.flip(-1)
+        # The left edge of a cell is the right one of its mirror image; the last has none.
+        left = torch.roll(types[:, 1::2], 1, -1)
+        left[..., 0] = 0
+        types = torch.stack([types[:, ::2], left], 2).flatten(1, 2)
+        return Rasters(self.inside.flip(-1), types, mirrored_vectors(self.vectors))
+
+    def inputs(self) -> Float32[Tensor, "n 34 row col"]:
+        """What networks see: flags, edge types one-hot, vectors."""
+        kinds = torch.arange(EDGE_TYPE_COUNT, device=self.types.device)[:, None, None]
+        one_hot = (self.types[:, :, None] == kinds).flatten(1, 2)
+        return torch.cat([self.inside.float(), one_hot.float(), self.vectors.float()], 1)
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """Rasters of a split, with the ids and types of their rows."""
+
+    rasters: Rasters
+    ids: tuple[str, ...]
+    types: tuple[str, ...]
+
+
+def read_rasters(folder: str | Path, split: str) -> Labelled:
+    """All rasters of a split.
+
+    Raises:
+        DatasetError: there is no such split, or its garments do not have two layers.
+    """
+    parts: list[Rasters] = []
+    ids: list[str] = []
+    names: list[str] = []
+    for table in tables(folder, split, ["id", "type", "raster"]):
+        images = rasters(table["raster"])
+        if any(len(image) != LAYERS for image in images):
+            raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
+        if images:
+            parts.append(from_channels(np.stack(images)))
+        ids += table["id"].to_pylist()
+        names += table["type"].to_pylist()
+    if not parts:
+        raise DatasetError(f"{shown_path(folder)}: its split {split!r} has no rows")
+    fields = zip(*((p.inside, p.types, p.vectors) for p in parts))
+    return Labelled(Rasters(*(torch.cat(field) for field in fields)), tuple(ids), tuple(names))
+
+
+def from_channels(channels: Float[np.ndarray, "n 2 17 row col"]) -> Rasters:
+    """Images as `GarmentImage.to_channels` gives them, layer by layer."""
+    count, grid = len(channels), channels.shape[-1]
+    inside = channels[:, :, 0] > 0.5
+    one_hot = channels[:, :, 1:9].reshape(count, LAYERS, 2, EDGE_TYPE_COUNT, grid, grid)
+    types = one_hot.argmax(3).reshape(count, 2 * LAYERS, grid, grid)
+    vectors = (channels[:, :, 9:] - rest_vectors(grid)) / VECTOR_CM * inside[:, :, None]
+    return Rasters(
+        torch.from_numpy(inside.astype(np.int8)),
+        torch.from_numpy(types.astype(np.int8)),
+        torch.from_numpy(vectors.reshape(count, -1, grid, grid).astype(np.float16)),
+    )
+
+
+def mirrored_flags(flags: Float[Tensor, "n 2 row col"]) -> Float[Tensor, "n 2 row col"]:
+    """Flags with left and right exchanged."""
+    return flags.flip(-1)
+
+
+def mirrored_types(types: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:
+    """Values for each edge type with left and right exchanged."""
+    bottom, left = types.flip(-1).unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).unbind(2)
+    # As in `Rasters.mirrored`; beyond the right end of the grid there is nothing to go by.
+    left = torch.cat([left[..., :1], left[..., :-1]], -1)
+    return torch.stack([bottom, left], 2).flatten(1, 3)
+
+
+def mirrored_vectors(vectors: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:
+    """Edge vectors of cells with left and right exchanged."""
+    bottom, right, top, left = vectors.flip(-1).unflatten(1, (LAYERS, 4, 2)).unbind(2)
+    across, upright = (torch.tensor(signs).to(vectors) for signs in ([1, -1], [-1, 1]))
+    turned = [
+        edge * signs[:, None, None]
+        for edge, signs in ((bottom, across), (left, upright), (top, across), (right, upright))
+    ]
+    return torch.stack(turned, 2).flatten(1, 3)
+
+
+def rest_vectors(grid: int) -> Float32[np.ndarray, "8 row col"]:
+    """(dx, dy) of the bottom, right, top and left edge of the grid's own cells [cm]."""
+    frame = BodyFrame.standard(grid)
+    vectors = np.zeros((4, 2, grid, grid), np.float32)
+    vectors[[0, 2], 0] = np.diff(frame.columns)[None, :]
+    vectors[[1, 3], 1] = np.diff(frame.rows)[:, None]
+    return vectors.reshape(8, grid, grid)

@@ -1,0 +1,41 @@
+from .intervals import (
+    Interval as Interval,
+    interval as interval,
+)
+from .preserved import (
+    Touched as Touched,
+    kept as kept,
+)
+from .published import (
+    LEAST_EDGES as LEAST_EDGES,
+    PADDING_ATOL as PADDING_ATOL,
+    Slots as Slots,
+    published_figures as published_figures,
+    quaternion as quaternion,
+    slots_of as slots_of,
+    tag_stitches as tag_stitches,
+    universal_translation as universal_translation,
+)
+from .report import (
+    report_to_json as report_to_json,
+)
+from .roundtrip import (
+    FileReport as FileReport,
+    KindSummary as KindSummary,
+    Trip as Trip,
+    kind_of as kind_of,
+    roundtrip_file as roundtrip_file,
+    roundtrip_many as roundtrip_many,
+    summarise as summarise,
+    summary_table as summary_table,
+)
+from .shape_attributes import (
+    Traits as Traits,
+    traits as traits,
+)
+from .similarity import (
+    Likeness as Likeness,
+    Scores as Scores,
+    likeness as likeness,
+    likeness_summary as likeness_summary,
+)

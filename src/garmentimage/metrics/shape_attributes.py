@@ -1,0 +1,146 @@
+"""What a garment is like, read off its pattern by geometry: what edits by text are judged by.
+
+All of it is told from the front panels as they stand at the body, in world coordinates [cm]: x to
+the wearer's left, y up from the floor. No network has a say. Panels that come from a network's
+image stand only about where they should: sleeves too near the body, legs over each other. So shapes
+are read, and of places no more than which side a panel is on, and how high.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.body import measurements
+from garmentimage.compare import drawing_faults, loop_polygon
+from garmentimage.pattern import Pattern
+
+SIDE = 4.0
+"""Panels whose middle is further than this from the body's middle are of one side [cm]."""
+SLEEVE_BELOW = 30.0
+"""They are sleeves if that middle is no lower than this under the top of the garment [cm]."""
+LEVELS = (3.0, 6.0, 9.0)
+"""Heights above the hem at which legs are looked for [cm]."""
+LEG_GAP, APART = 0.5, 0.2
+"""Legs are further apart than the first at the hem, moved so that they are as far apart as the
+second where they come nearest to each other [cm]."""
+MIDDLE = 12.0
+"""The gap between them is no further than this from the body's middle [cm]."""
+MIDDLE_LINES = (-9.0, 9.0)
+"""Where panels that lie on top of each other are counted [cm]."""
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What a garment is like."""
+
+    legs: bool
+    """Two separate pieces of cloth at the hem."""
+    pieces: int
+    """Panels on top of each other in front, without sleeves: 2 where there is a waist seam."""
+    sleeves: float | None
+    """Length of the sleeves along the arm [cm]; None without."""
+    length: float
+    """From the waist of the default body down to the hem [cm]."""
+    width: float
+    """Of the front at the hem, of one leg where there are legs [cm]."""
+
+
+def traits(pattern: Pattern | None) -> Traits | None:
+    """What a garment is like; None where there is nothing to see in front."""
+    if pattern is None or any(drawing_faults(panel) for panel in pattern.panels):
+        return None
+    sides = [each for each in placed_panels(pattern) if each.is_front]
+    sleeves = [each.outline for each in sides if each.is_sleeve]
+    body = _beside([each.outline for each in sides if not each.is_sleeve])
+    if not body:
+        return None
+    hem = min(float(outline[:, 1].min()) for outline in body)
+    cuts = [_cut(body, hem + level) for level in LEVELS]
+    legs = sum(_is_split(cut) for cut in cuts) * 2 > len(cuts)
+    wide = sum(end - start for start, end in cuts[-1])
+    return Traits(
+        legs=legs,
+        pieces=max(_stacked(body, x) for x in MIDDLE_LINES),
+        sleeves=max(float(np.ptp(outline[:, 0])) for outline in sleeves) if sleeves else None,
+        length=measurements("mean-female").waist_height - hem,
+        width=wide / 2 if legs else wide,
+    )
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A panel as it stands at the body, seen from the front."""
+
+    outline: Float[np.ndarray, "n 2"]
+    is_front: bool
+    is_sleeve: bool
+
+
+def placed_panels(pattern: Pattern) -> list[Placed]:
+    """The panels of a pattern, and which of them are sleeves."""
+    worlds = [panel.to_world(loop_polygon(panel.outline)) for panel in pattern.panels]
+    top = max((float(world[:, 1].max()) for world in worlds), default=0.0)
+    return [
+        Placed(world[:, :2], bool(world[:, 2].mean() > 0), _is_sleeve(world[:, :2], top))
+        for world in worlds
+    ]
+
+
+def _is_sleeve(outline: Float[np.ndarray, "n 2"], top: float) -> bool:
+    return abs(_middle(outline)[0]) > SIDE and bool(_middle(outline)[1] > top - SLEEVE_BELOW)
+
+
+def _middle(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
+    middle: Float[np.ndarray, " 2"] = (outline.min(0) + outline.max(0)) / 2
+    return middle
+
+
+def _beside(outlines: Sequence[Float[np.ndarray, "n 2"]]) -> list[Float[np.ndarray, "n 2"]]:
+    """Panels of the left and of the right moved apart where they lie on each other."""
+    sides = [
+        int(np.sign(x)) if abs(x := float(_middle(each)[0])) > SIDE else 0 for each in outlines
+    ]
+    ends = [
+        min((float((side * each[:, 0]).min()) for each, s in zip(outlines, sides) if s == side))
+        for side in (1, -1)
+        if side in sides
+    ]
+    move = max(APART - sum(ends), 0.0) / 2 if len(ends) == 2 else 0.0
+    return [each + np.array([side * move, 0.0]) for each, side in zip(outlines, sides)]
+
+
+def _cut(outlines: Sequence[Float[np.ndarray, "n 2"]], height: float) -> list[tuple[float, float]]:
+    """Stretches of cloth at a height, from the right to the left of the wearer [cm]."""
+    found = []
+    for outline in outlines:
+        found += _crossed(outline, axis=1, at=height)
+    return sorted(found)
+
+
+def _stacked(outlines: Sequence[Float[np.ndarray, "n 2"]], x: float) -> int:
+    """Panels that a line down the body crosses."""
+    return sum(bool(_crossed(outline, axis=0, at=x)) for outline in outlines)
+
+
+def _crossed(
+    outline: Float[np.ndarray, "n 2"], *, axis: int, at: float
+) -> list[tuple[float, float]]:
+    """Where a line lies within an outline, by the even-odd rule."""
+    after = np.roll(outline, -1, axis=0)
+    a, b = outline[:, axis] - at, after[:, axis] - at
+    crossing = (a < 0) != (b < 0)
+    share = a[crossing] / (a[crossing] - b[crossing])
+    along = outline[crossing, 1 - axis]
+    places = np.sort(along + share * (after[crossing, 1 - axis] - along))
+    return [(float(s), float(e)) for s, e in places.reshape(-1, 2)]
+
+
+def _is_split(stretches: Sequence[tuple[float, float]]) -> bool:
+    """Whether there is a gap near the middle of the body, with cloth on both sides of it."""
+    return any(
+        start - end > LEG_GAP and abs(start + end) / 2 < MIDDLE
+        for (_, end), (start, _) in pairwise(stretches)
+    )

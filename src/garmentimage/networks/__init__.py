@@ -1,0 +1,5 @@
+"""Networks in use, without torch: ONNX files run, and the garments that they give."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,161 @@
+"""Pictures of a way through a latent space: a strip of all steps, and a film of them."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import UInt8
+
+from garmentimage.drape import Worn, drape_pattern
+from garmentimage.errors import GarmentImageError
+from garmentimage.networks.decoded import Step
+from garmentimage.render import FAINT, INK, PAPER, picture_bytes, printable
+from garmentimage.render.flat import draw_image, draw_pattern, drawn_size
+from garmentimage.render.worn import PAPER_COLOURS, Look, photograph
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMN_IN, PATTERN_IN, RASTER_IN, WORN_IN, TITLE_IN = 2.5, 2.4, 1.7, 2.5, 0.5
+"""Sizes of a step's drawings [inch]."""
+DPI = 100
+WORN_PIXELS = 320
+FRAME_MS, END_MS = 350, 1200
+"""How long a frame of the film stands, and the first and last."""
+WARNING = "#b3261e"
+ONE_COLOUR = Look(colours=dict.fromkeys(PAPER_COLOURS, "lightblue"))
+"""Whatever a panel is called: the same cloth on the whole way."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A step with how it is worn."""
+
+    title: str
+    step: Step
+    worn: Worn | None
+    """None where it cannot be draped."""
+    faults: tuple[str, ...]
+    """Why it cannot be sewn or worn; empty where it can."""
+    picture: UInt8[np.ndarray, "row col 3"] | None = None
+    """What is drawn where it is not draped."""
+
+
+def shown(title: str, step: Step) -> Shown:
+    """A step, draped on the default body."""
+    if step.faults or step.pattern is None:
+        return Shown(title, step, None, step.faults)
+    try:
+        worn = drape_pattern(step.pattern)
+    except GarmentImageError as error:
+        return Shown(title, step, None, (str(error),))
+    return Shown(title, step, worn, worn.report.faults)
+
+
+def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
+    """All steps beside each other, at one scale: pattern, raster, and worn.
+
+    What is wrong with one is told in red.
+    """
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    raster = RASTER_IN if any(column.step.image is not None for column in columns) else 0.0
+    width, height = COLUMN_IN * len(columns), TITLE_IN + PATTERN_IN + raster + WORN_IN
+    figure = Figure(figsize=(width, height), facecolor=PAPER)
+    patterns = [column.step.pattern for column in columns if column.step.pattern is not None]
+    sizes = [drawn_size(pattern) for pattern in patterns]
+    room = max((w for w, _ in sizes), default=0.0), max((h for _, h in sizes), default=0.0)
+    for number, column in enumerate(columns):
+        place = (number / len(columns), 1 / len(columns))
+        _draw(figure, column, place, height, height - TITLE_IN - PATTERN_IN, room)
+    raw = picture_bytes(figure, "png", dpi=DPI)
+    return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
+
+
+def beside(
+    picture: UInt8[np.ndarray, "row col 3"],
+    columns: UInt8[np.ndarray, "row col 3"],
+) -> UInt8[np.ndarray, "row col 3"]:
+    """A picture to the left of a strip, as wide as a column, beside what is worn.
+
+    Args:
+        picture: square.
+        columns: a strip.
+    """
+    from PIL import Image
+
+    rows, side = columns.shape[0], int(COLUMN_IN * DPI)
+    seen = Image.fromarray(picture).resize((side, side), Image.Resampling.LANCZOS)
+    left = np.full((rows, side, 3), 255, np.uint8)
+    left[rows - side :] = np.asarray(seen)
+    return np.concatenate([left, columns], axis=1)
+
+
+def film(columns: Sequence[Shown]) -> bytes:
+    """The steps one after another and back again, as an animated GIF."""
+    from PIL import Image
+
+    frames = [Image.fromarray(strip([column])) for column in columns]
+    frames += frames[-2:0:-1]
+    times = [FRAME_MS] * len(frames)
+    times[0] = times[len(columns) - 1] = END_MS
+    palette = [frame.quantize(128, dither=Image.Dither.NONE) for frame in frames]
+    file = io.BytesIO()
+    palette[0].save(
+        file, format="gif", save_all=True, append_images=palette[1:], duration=times, loop=0
+    )
+    return file.getvalue()
+
+
+def _draw(
+    figure: "Figure",
+    column: Shown,
+    place: tuple[float, float],
+    height: float,
+    floor: float,
+    room: tuple[float, float],
+) -> None:
+    """One column, from `place[0]`, `place[1]` wide; `floor` is where the pattern stands [inch].
+
+    `room` is what every pattern gets [cm].
+    """
+    colour = WARNING if column.faults else INK
+    left, wide = place
+    middle, inset = left + wide / 2, 0.03 * wide
+
+    def axes(bottom: float, tall: float) -> "Axes":
+        return figure.add_axes((left + inset, bottom / height, wide - 2 * inset, tall / height))
+
+    def write(y: float, text: str, size: float, colour: str) -> None:
+        figure.text(
+            middle,
+            y / height,
+            printable(text),
+            fontsize=size,
+            color=colour,
+            ha="center",
+            va="center",
+            parse_math=False,
+        )
+
+    write(height - 0.3 * TITLE_IN, column.title, 9, colour)
+    if column.faults:
+        write(height - 0.7 * TITLE_IN, column.faults[0][:44], 5.5, WARNING)
+    if column.step.pattern is not None:
+        draw_pattern(column.step.pattern, axes(floor, PATTERN_IN), room=room)
+    if column.step.image is not None:
+        draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
+    if column.worn is not None:
+        pixels = photograph(column.worn, ONE_COLOUR, size=WORN_PIXELS).colour
+    elif column.picture is not None:
+        pixels = column.picture
+    else:
+        write(WORN_IN / 2, "cannot be worn", 7, FAINT)
+        return
+    picture = axes(0.0, WORN_IN)
+    picture.imshow(pixels)
+    picture.set_axis_off()

@@ -1,0 +1,39 @@
+from .direction import (
+    turned_round as turned_round,
+)
+from .dissolve import (
+    without_stubs as without_stubs,
+)
+from .finding import (
+    Finding as Finding,
+)
+from .model import (
+    Circle as Circle,
+    Cubic as Cubic,
+    Curvature as Curvature,
+    Edge as Edge,
+    Loop as Loop,
+    Notch as Notch,
+    Panel as Panel,
+    Pattern as Pattern,
+    Point as Point,
+    Quadratic as Quadratic,
+    Side as Side,
+    Stitch as Stitch,
+    Vector as Vector,
+    chord_count as chord_count,
+    euler_angles as euler_angles,
+    loop_from_curves as loop_from_curves,
+    polygon_of as polygon_of,
+)
+from .placement import (
+    FRONTAL as FRONTAL,
+    floor_shift as floor_shift,
+)
+from .seam_runs import (
+    STUB_CM as STUB_CM,
+    Run as Run,
+    sewn_runs as sewn_runs,
+    side_loops as side_loops,
+    stubs as stubs,
+)

@@ -1,0 +1,469 @@
+"""Can this pattern be sewn? Errors where it cannot, findings where it should be looked at.
+
+An error is raised at the first fault; a `Finding` is a fact that the pattern's maker should know
+and that does not stop the work.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from math import hypot, isfinite
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.errors import PatternError, StitchError, quoted
+from garmentimage.geometry import polyline_length
+from garmentimage.pattern.checks.placement import placement_findings
+from garmentimage.pattern.checks.split_seams import half_sewn_findings
+from garmentimage.pattern.finding import PANELS_NAMED, Finding, some
+from garmentimage.pattern.model import (
+    Circle,
+    Cubic,
+    Edge,
+    Loop,
+    Panel,
+    Pattern,
+    Point,
+    Quadratic,
+    Side,
+    Stitch,
+    chord_count,
+)
+from garmentimage.pattern.seam_runs import STUB_CM, stubs
+
+NAME_LIMIT = 200
+"""Characters of a panel's name."""
+PANEL_LIMIT = 10_000
+"""Panels of a pattern."""
+EDGE_LIMIT = 100_000
+"""Edges of a panel."""
+STITCH_LIMIT = 200_000
+"""Stitches of a pattern."""
+CLOTH_LAYER_LIMIT = 15
+COORDINATE_LIMIT = 1e12
+"""Largest coordinate [cm]."""
+PANEL_SIZE_LIMIT = 20_000.0
+"""Largest width or height of a panel [cm]; real ruffled skirts reach 1,500."""
+SHORTEST_EDGE = 1e-6
+"""Two vertices nearer than this are one place [cm]; real edges go down to 0.0005."""
+THINNEST_PANEL = 1e-7
+"""Least area of a panel, as a share of its squared perimeter; a waistband of 1 x 1455 has 2e-4."""
+STRAIGHT_TOL = 1e-6
+"""Breadth of a set of points, as a share of its length, that makes it a line."""
+GRAIN_TOL = 1e-6
+"""How far the length of a grain line's direction may be from 1."""
+ARC_TOL = 1e-12
+"""Share by which a radius may fall short of half the chord before it is called too short."""
+
+FAR_AWAY = 1e5
+"""Panel coordinates beyond this lose precision for nothing [cm]."""
+MANY_EDGES = 1_000
+"""More edges than this in one panel are likely a traced outline."""
+GATHER_RATIO = 3.5
+"""Sides of a stitch more unequal than this are likely a mistake; real gathers reach 3 and a bit."""
+GATHER_SLACK = 1.0
+"""A difference in length that is never worth a word [cm]."""
+SEGMENT_BLOCK = 512
+"""Segments that are tested against all others at a time; bounds the memory of a scribble."""
+
+
+def check_pattern(
+    pattern: Pattern, *, stitch_numbers: Sequence[int] | None = None
+) -> tuple[Finding, ...]:
+    """Say whether a pattern can be sewn, and what about it is odd.
+
+    Args:
+        pattern: any pattern.
+        stitch_numbers: what messages call the stitches; default: their positions.
+
+    Returns:
+        What does not stop the work but should be known, panels first.
+
+    Raises:
+        PatternError: a panel that is no piece of cloth; names the panel and the edges.
+        StitchError: a stitch that does not join two edges; names the stitch.
+    """
+    numbers = range(len(pattern.stitches)) if stitch_numbers is None else stitch_numbers
+    check_structure(pattern, stitch_numbers=numbers)
+    found: list[Finding] = []
+    for panel in pattern.panels:
+        found.extend(_check_shape(panel))
+    found.extend(_check_stubs(pattern))
+    found.extend(_check_lengths(pattern, numbers))
+    found.extend(half_sewn_findings(pattern, numbers))
+    found.extend(_check_assembly(pattern))
+    found.extend(placement_findings(pattern))
+    return tuple(found)
+
+
+def check_structure(pattern: Pattern, *, stitch_numbers: Sequence[int] | None = None) -> None:
+    """Check all that can be seen without geometry: names, numbers, loops, what stitches name.
+
+    A pattern that passes can be written to a file and read again.
+
+    Raises:
+        PatternError: a name, a number or a loop that cannot be.
+        StitchError: a stitch that names nothing, or an edge that is sewn twice.
+    """
+    if not pattern.panels:
+        raise PatternError("the pattern has no panels (pattern.panels is empty); add at least one")
+    if len(pattern.panels) > PANEL_LIMIT:
+        raise PatternError(f"{len(pattern.panels)} panels; at most {PANEL_LIMIT} are taken")
+    seen: set[str] = set()
+    for panel in pattern.panels:
+        check_name(panel.name)
+        if panel.name in seen:
+            raise PatternError(f"two panels are named {quoted(panel.name)}; rename one")
+        seen.add(panel.name)
+        _check_panel_structure(panel)
+    numbers = range(len(pattern.stitches)) if stitch_numbers is None else stitch_numbers
+    check_stitches(pattern.by_name, pattern.stitches, numbers)
+
+
+def check_name(name: str) -> None:
+    """A panel's name must be short enough and writable as UTF-8."""
+    if len(name) > NAME_LIMIT:
+        raise PatternError(
+            f"panel {quoted(name)}: its name has {len(name)} characters; "
+            f"at most {NAME_LIMIT} are taken"
+        )
+    if any("\ud800" <= c <= "\udfff" for c in name):
+        raise PatternError(
+            f"panel {quoted(name)}: its name holds half a character (a lone surrogate), "
+            "which no file can hold; rename it"
+        )
+
+
+def panel_place(name: str) -> str:
+    """How messages call a panel."""
+    return f"panel {quoted(name)}"
+
+
+def edge_place(name: str, edge: int) -> str:
+    """How messages call an edge."""
+    return f"{panel_place(name)}, edge {edge}"
+
+
+def _check_panel_structure(panel: Panel) -> None:
+    place = panel_place(panel.name)
+    count = sum(len(loop.edges) for loop in panel.loops)
+    if count > EDGE_LIMIT:
+        raise PatternError(f"{place}: {count} edges; at most {EDGE_LIMIT} are taken")
+    for what, vector in (("translation", panel.translation), ("rotation", panel.rotation)):
+        if not all(isfinite(v) and abs(v) <= COORDINATE_LIMIT for v in vector):
+            raise PatternError(f"{place}: its {what} is not finite; give three ordinary numbers")
+    first = 0
+    for loop in panel.loops:
+        check_loop(loop, panel.name, first)
+        first += len(loop.edges)
+    _check_marks(panel, count)
+
+
+def _check_marks(panel: Panel, edge_count: int) -> None:
+    place = panel_place(panel.name)
+    if panel.grain is not None and not abs(hypot(*panel.grain) - 1) <= GRAIN_TOL:
+        raise PatternError(f"{place}: its grain line is not a unit direction; divide by its length")
+    for notch in panel.notches:
+        if not (0 <= notch.edge < edge_count and 0 <= notch.at <= 1):
+            raise PatternError(
+                f"{place}: a notch at {notch.at} of edge {notch.edge}; the edge must exist "
+                "and the place be a share from 0 to 1"
+            )
+    if not 0 <= panel.cloth_layer <= CLOTH_LAYER_LIMIT:
+        raise PatternError(
+            f"{place}: cloth layer {panel.cloth_layer}; give 0 to {CLOTH_LAYER_LIMIT}"
+        )
+
+
+def check_loop(loop: Loop, name: str, first: int = 0) -> None:
+    """Check vertices, edge ends and curves of one loop, whose edge 0 is edge `first` of the panel.
+
+    Raises:
+        PatternError: names the panel and the vertex or edge.
+    """
+    place = panel_place(name)
+    for k, (x, y) in enumerate(loop.vertices):
+        if not (abs(x) <= COORDINATE_LIMIT and abs(y) <= COORDINATE_LIMIT):
+            raise PatternError(
+                f"{place}, vertex {k}: its coordinates are not finite, or beyond "
+                f"{COORDINATE_LIMIT:g} cm; give ordinary numbers"
+            )
+    if len(loop.edges) < 2:
+        raise PatternError(f"{place}: a closed outline needs two edges or more")
+    count = len(loop.vertices)
+    starts: set[int] = set()
+    for k, edge in enumerate(loop.edges):
+        where = f"{place}, edge {first + k}"
+        for end in (edge.start, edge.end):
+            if not 0 <= end < count:
+                raise PatternError(
+                    f"{where}: joins vertex {end}, but the panel has vertices 0 to {count - 1}"
+                )
+        after = loop.edges[(k + 1) % len(loop.edges)]
+        if edge.end != after.start:
+            raise PatternError(
+                f"{where}: ends at vertex {edge.end}, but the next edge starts at {after.start}; "
+                "the edges must form one closed chain"
+            )
+        if edge.start in starts:
+            raise PatternError(
+                f"{where}: the outline passes vertex {edge.start} a second time; "
+                "a panel's outline must not touch itself"
+            )
+        starts.add(edge.start)
+        check_edge(edge, loop.vertices, where)
+
+
+def check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
+    """Check that an edge has a length and a curve that exists."""
+    (x0, y0), (x1, y1) = vertices[edge.start], vertices[edge.end]
+    chord = hypot(x1 - x0, y1 - y0)
+    if chord < SHORTEST_EDGE:
+        raise PatternError(
+            f"{where}: has no length (vertices {edge.start} and {edge.end} are the same place); "
+            "remove it or move a vertex"
+        )
+    match edge.curvature:
+        case Circle(radius):
+            if not chord / 2 * (1 - ARC_TOL) <= radius <= COORDINATE_LIMIT:
+                raise PatternError(
+                    f"{where}: an arc of radius {radius:g} cm cannot join points {chord:g} cm "
+                    f"apart; the radius must be at least {chord / 2:g} cm"
+                )
+        case Quadratic(control):
+            _check_controls((control,), where)
+        case Cubic(control, control2):
+            _check_controls((control, control2), where)
+
+
+def _check_controls(controls: Iterable[Point], where: str) -> None:
+    if not all(abs(v) <= COORDINATE_LIMIT for control in controls for v in control):
+        raise PatternError(f"{where}: its curvature is not finite; give ordinary numbers")
+
+
+def check_stitches(
+    panels: Mapping[str, Panel], stitches: Sequence[Stitch], numbers: Sequence[int]
+) -> None:
+    """Check that stitches name edges that exist, and no edge twice.
+
+    Raises:
+        StitchError: names the stitch, or both where an edge is in two.
+    """
+    if len(stitches) > STITCH_LIMIT:
+        raise StitchError(f"{len(stitches)} stitches; at most {STITCH_LIMIT} are taken")
+    user: dict[Side, int] = {}
+    for number, stitch in zip(numbers, stitches):
+        for side in stitch.sides:
+            panel = panels.get(side.panel)
+            if panel is None:
+                raise StitchError(
+                    f"stitch {number}: names panel {quoted(side.panel)}, which does not exist"
+                )
+            if not 0 <= side.edge < len(panel.edges):
+                raise StitchError(
+                    f"stitch {number}: names edge {side.edge} of panel {quoted(side.panel)}, "
+                    f"which has edges 0 to {len(panel.edges) - 1}"
+                )
+        if stitch.a == stitch.b:
+            raise StitchError(
+                f"stitch {number}: sews edge {stitch.a.edge} of panel {quoted(stitch.a.panel)} "
+                "to itself; name two different edges"
+            )
+        for side in stitch.sides:
+            if side in user:
+                raise StitchError(
+                    f"stitches {user[side]} and {number}: both sew edge {side.edge} of panel "
+                    f"{quoted(side.panel)}; split the edge or remove one stitch"
+                )
+            user[side] = number
+
+
+def _check_shape(panel: Panel) -> list[Finding]:
+    """Area, size and simplicity of the panel's loops."""
+    place = panel_place(panel.name)
+    found = []
+    rings = [loop.polygon for loop in panel.loops]
+    for loop, ring in zip(panel.loops, rings):
+        origin, size = ring.min(axis=0), np.ptp(ring, axis=0)
+        if size.max() > PANEL_SIZE_LIMIT:
+            raise PatternError(
+                f"{place}: is {size.max() / 100:.6g} m in size; at most "
+                f"{PANEL_SIZE_LIMIT / 100:g} m are taken; check the units"
+            )
+        if np.abs(origin).max() > FAR_AWAY:
+            found.append(
+                Finding(place, f"lies {np.abs(origin).max():.3g} cm from its own origin; move it")
+            )
+        _check_area(loop.area, ring, place)
+        unused = set(range(len(loop.vertices))) - {e.start for e in loop.edges}
+        if unused:
+            found.append(Finding(place, f"vertex {min(unused)} is used by no edge"))
+    if len(panel.edges) > MANY_EDGES:
+        found.append(Finding(place, f"has {len(panel.edges)} edges; a curve may do for many"))
+    _check_simple(panel, rings)
+    return found
+
+
+def _check_area(area: float, ring: Float[np.ndarray, "n 2"], place: str) -> None:
+    perimeter = polyline_length(ring) + hypot(*(ring[0] - ring[-1]))
+    if abs(area) < THINNEST_PANEL * perimeter**2 and _on_one_line(ring):
+        raise PatternError(f"{place}: has no area; its edges lie on one line")
+
+
+def _on_one_line(ring: Float[np.ndarray, "n 2"]) -> bool:
+    """Unlike an area of 0, which the two halves of a crossed panel may also give."""
+    longer, shorter = np.linalg.svd(ring - ring.mean(axis=0), compute_uv=False)
+    return bool(shorter <= STRAIGHT_TOL * longer)
+
+
+def _check_simple(panel: Panel, rings: list[np.ndarray]) -> None:
+    """No edge meets another, holes lie inside and apart, cloth is on one side of all edges."""
+    from shapely import Polygon, is_valid
+
+    if not is_valid(Polygon(rings[0], rings[1:])):
+        raise PatternError(_crossing_message(panel, rings))
+    outer = panel.outline.area > 0
+    for k, hole in enumerate(panel.holes):
+        if (hole.area > 0) == outer:
+            raise PatternError(
+                f"{panel_place(panel.name)}: hole {k} runs the same way round as the outline; "
+                "reverse its edges, so that the cloth lies on the same side of both"
+            )
+
+
+def _crossing_message(panel: Panel, rings: list[np.ndarray]) -> str:
+    place = panel_place(panel.name)
+    pair = _crossing_edges(panel, rings)
+    if pair is None:
+        return f"{place}: a hole lies outside the cloth or in another hole; move it inside"
+    a, b, (x, y) = pair
+    if a == b:
+        return f"{place}, edge {a}: crosses itself near ({x:.1f}, {y:.1f}) cm; smooth its curve"
+    return (
+        f"{place}, edges {a} and {b}: cross or touch each other near ({x:.1f}, {y:.1f}) cm; "
+        "move a vertex or flatten a curve so that the outline is simple"
+    )
+
+
+def _crossing_edges(
+    panel: Panel, rings: list[np.ndarray]
+) -> tuple[int, int, tuple[float, float]] | None:
+    """The first two edges that meet elsewhere than at a common corner, and where."""
+    import shapely
+
+    starts = np.concatenate(rings)
+    ends = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    after = np.concatenate(
+        [np.roll(np.arange(len(r)), -1) + at for r, at in zip(rings, _offsets(rings))]
+    )
+    owner = np.repeat(np.arange(len(panel.edges)), [chord_count(c) for c in panel.curves])
+    segments = shapely.linestrings(np.stack([starts, ends], axis=1))
+    tree = shapely.STRtree(segments)
+    for low in range(0, len(segments), SEGMENT_BLOCK):
+        i, j = tree.query(segments[low : low + SEGMENT_BLOCK], predicate="intersects")
+        i = i + low
+        later = j > i
+        i, j = i[later], j[later]
+        meeting = shapely.intersection(segments[i], segments[j])
+        corner = ((after[i] == j) | (after[j] == i)) & (shapely.get_dimensions(meeting) == 0)
+        hits = np.flatnonzero(~corner)
+        if len(hits):
+            hit = hits[np.lexsort((j[hits], i[hits]))[0]]
+            point = shapely.get_coordinates(meeting[hit])[0]
+            a, b = sorted((int(owner[i[hit]]), int(owner[j[hit]])))
+            return a, b, (float(point[0]), float(point[1]))
+    return None
+
+
+def _offsets(rings: list[np.ndarray]) -> list[int]:
+    return [0, *np.cumsum([len(r) for r in rings])[:-1].tolist()]
+
+
+def _check_stubs(pattern: Pattern) -> list[Finding]:
+    """Edges that are left over at corners."""
+    found: dict[str, list[int]] = {}
+    for side in sorted(stubs(pattern), key=lambda side: side.edge):
+        found.setdefault(side.panel, []).append(side.edge)
+    return [
+        Finding(
+            panel_place(panel.name),
+            f"{_some_edges(found[panel.name])} shorter than {STUB_CM:g} cm; an image has no room "
+            "for that: what lies beside it meets there",
+        )
+        for panel in pattern.panels
+        if panel.name in found
+    ]
+
+
+def _some_edges(edges: Sequence[int]) -> str:
+    if len(edges) == 1:
+        return f"edge {edges[0]} is"
+    shown = ", ".join(map(str, edges[:PANELS_NAMED]))
+    more = len(edges) - PANELS_NAMED
+    return f"edges {shown}{f' and {more} more' if more > 0 else ''} are"
+
+
+def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
+    found = []
+    for number, stitch in zip(numbers, pattern.stitches):
+        short, long = sorted(pattern.curve(side).length for side in stitch.sides)
+        if long > GATHER_RATIO * short and long - short > GATHER_SLACK:
+            found.append(
+                Finding(
+                    f"stitch {number}",
+                    f"sews {long:.1f} cm to {short:.1f} cm ({long / short:.1f} times as long); "
+                    "gathers are rarely that dense",
+                )
+            )
+    return found
+
+
+def _check_assembly(pattern: Pattern) -> list[Finding]:
+    """What does not hang together."""
+    if len(pattern.panels) == 1:
+        return []
+    if not pattern.stitches:
+        return [Finding("pattern.stitches", f"{len(pattern.panels)} panels and no stitches")]
+    pieces = components(pattern)
+    if len(pieces) == 1:
+        return []
+    loose = [name for piece in pieces for name in piece if len(piece) == 1]
+    found = []
+    if loose:
+        found.append(
+            Finding("pattern.stitches", f"{some(loose)} {_are(loose)} sewn to no other panel")
+        )
+    sewn = [piece[0] for piece in pieces if len(piece) > 1]
+    if len(sewn) > 1:
+        found.append(
+            Finding(
+                "pattern.stitches",
+                f"{len(sewn)} garments that no stitch joins; they begin with {some(sewn)}",
+            )
+        )
+    return found
+
+
+def components(pattern: Pattern) -> list[list[str]]:
+    """Names of the panels that hang together by stitches, in the order of the panels."""
+    neighbours: dict[str, set[str]] = defaultdict(set)
+    for stitch in pattern.stitches:
+        neighbours[stitch.a.panel].add(stitch.b.panel)
+        neighbours[stitch.b.panel].add(stitch.a.panel)
+    piece_of: dict[str, int] = {}
+    pieces: list[list[str]] = []
+    for panel in pattern.panels:
+        if panel.name not in piece_of:
+            pieces.append([])
+            waiting = [panel.name]
+            while waiting:
+                name = waiting.pop()
+                if name not in piece_of:
+                    piece_of[name] = len(pieces) - 1
+                    waiting.extend(neighbours[name])
+        pieces[piece_of[panel.name]].append(panel.name)
+    return pieces
+
+
+def _are(names: Sequence[str]) -> str:
+    return "is" if len(names) == 1 else "are"

@@ -1,0 +1,5 @@
+"""Patterns as files: `specification.json` in and out, SVG out."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,20 @@
+from .files import (
+    image_bytes as image_bytes,
+    load_channels as load_channels,
+    load_image as load_image,
+    save_image as save_image,
+)
+from .frame import (
+    BodyFrame as BodyFrame,
+)
+from .image import (
+    BOTTOM as BOTTOM,
+    CHANNEL_CONTRACT as CHANNEL_CONTRACT,
+    CHANNELS_PER_LAYER as CHANNELS_PER_LAYER,
+    EDGE_TYPE_COUNT as EDGE_TYPE_COUNT,
+    LEFT as LEFT,
+    EdgeType as EdgeType,
+    GarmentImage as GarmentImage,
+    PanelMark as PanelMark,
+    mirrored_channels as mirrored_channels,
+)

@@ -1,0 +1,4 @@
+from .encoder import (
+    GRIDS as GRIDS,
+    encode as encode,
+)

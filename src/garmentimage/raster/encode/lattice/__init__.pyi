@@ -1,0 +1,10 @@
+from .attempts import (
+    drawings as drawings,
+    trials as trials,
+)
+from .drawing import (
+    Path as Path,
+)
+from .shapes import (
+    lost_shape as lost_shape,
+)

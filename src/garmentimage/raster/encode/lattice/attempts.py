@@ -1,0 +1,141 @@
+"""Drawings: the lattice paths of a layout's arcs, attempt by attempt.
+
+An attempt routes the arcs on a fine lattice, disjoint inside a layer, and compacts the drawing to
+the lattice of the image. Each step keeps the drawing valid.
+"""
+
+from collections.abc import Iterable, Iterator
+from itertools import islice
+
+from garmentimage.errors import EncodeError, quoted
+from garmentimage.raster.encode.lattice.canonical import canonical
+from garmentimage.raster.encode.lattice.compact import compact
+from garmentimage.raster.encode.lattice.drawing import (
+    MOST_NEEDED,
+    Drawing,
+    Path,
+    drawing_of,
+    joined_links,
+    with_bends,
+    with_links,
+)
+from garmentimage.raster.encode.lattice.polish import polish
+from garmentimage.raster.encode.lattice.route import FinePaths, route
+from garmentimage.raster.encode.lattice.symmetry import find_mirror, halve
+from garmentimage.raster.encode.layout import Layout, SeamComplex
+from garmentimage.raster.frame import BodyFrame
+from garmentimage.raster.image import EdgeType
+
+FINE_CELLS = 128
+"""Fine lattice steps across the grid in the first attempt."""
+Attempts = tuple[tuple[float, float, bool], ...]
+ATTEMPTS: Attempts = ((1.0, 5.0, True), (1.5, 9.0, True), (2.0, 16.0, True))
+"""(factor on the fine lattice, corridor in fine steps, arcs leave their nodes in the order that
+their targets have), tried in turn."""
+LAST_ATTEMPTS: Attempts = ((1.5, 9.0, False),)
+"""What is left to try when all layouts have failed ..."""
+LAST_LAYOUTS = 3
+"""... on so many of them."""
+PASSES = 3
+"""Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
+SLIT_CM = 1.0
+"""Free edges shorter than this [cm] are pointed out where a garment cannot be drawn."""
+
+
+def trials(layouts_: Iterable[Layout]) -> Iterator[tuple[Layout, Attempts]]:
+    """Layouts with the attempts to draw each, most promising first."""
+    for number, layout in enumerate(layouts_):
+        yield layout, ATTEMPTS if number == 0 else ATTEMPTS[:2]
+    for layout in islice(layouts_, LAST_LAYOUTS):
+        yield layout, LAST_ATTEMPTS
+
+
+def drawings(
+    layout: Layout, frame: BodyFrame, attempts: Attempts
+) -> Iterator[list[Path] | EncodeError]:
+    """Lattice paths of the arcs, best attempt first; failures as they come."""
+    whole = drawing_of(layout, frame)
+    mirror = find_mirror(layout) if frame.is_symmetric else None
+    half = halve(whole, mirror) if mirror is not None else None
+    for part in (half, None) if half is not None else (None,):
+        for factor, radius, in_order in attempts:
+            fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
+            try:
+                drawing = whole if part is None else part.drawing
+                paths = joined_links(drawing, lattice_paths(drawing, fine, radius, in_order))
+                yield paths if part is None else part.unfold(paths)
+            except EncodeError as error:
+                crossing = _crossing(layout) if error.remedy == "grid" else ""
+                yield EncodeError(
+                    f"{error}{crossing}", remedy="either" if crossing else error.remedy
+                )
+
+
+def _crossing(layout: Layout) -> str:
+    """For a message: the panels of two seams that cross when the garment is laid flat, if any."""
+    import shapely
+
+    arcs, panels = layout.complex.arcs, layout.complex.placed.panels
+    lines = [shapely.LineString(curve) for curve in layout.curves]
+    pairs = shapely.STRtree(lines).query(lines, predicate="intersects").T
+    for i, j in sorted(map(tuple, pairs.tolist())):
+        a, b = arcs[i], arcs[j]
+        if i < j and set(a.layers) & set(b.layers) and not {a.a, a.b} & {b.a, b.b}:
+            names = sorted({panels[side[0]].source for side in (*a.sides, *b.sides)})
+            return (
+                f" (laid flat, seams of panels {', '.join(map(quoted, names))} cross; leave a "
+                "panel out or check where it is placed)"
+            )
+    return _slit(layout.complex)
+
+
+def _slit(complex_: SeamComplex) -> str:
+    """For a message: the shortest free edge, where it is too short to be meant for an opening."""
+    lengths: dict[tuple[int, frozenset[int]], float] = {}
+    for arc in complex_.arcs:
+        if arc.kind == EdgeType.NON_STITCH:
+            # The halves of an edge that closes on itself are one opening.
+            opening = arc.sides[0][0], frozenset((arc.a, arc.b))
+            lengths[opening] = lengths.get(opening, 0.0) + arc.length
+    length, panel = min(
+        ((size, panel) for (panel, _), size in lengths.items()), default=(SLIT_CM, 0)
+    )
+    if length >= SLIT_CM:
+        return ""
+    return (
+        f" (panel {quoted(complex_.placed.panels[panel].source)} has a free edge of only "
+        f"{length:.2g} cm; a grid has no room for so small an opening: sew it, or leave it out)"
+    )
+
+
+def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> list[Path]:
+    """Paths of the arcs on the image's lattice, grid lines 1 to N - 1, disjoint inside a layer.
+
+    Raises:
+        EncodeError: the drawing is too crowded for this lattice.
+    """
+    seen = canonical(drawing)
+    plain = with_links(seen.drawing)
+    drawn = route(plain, fine, radius, in_order)
+    for most in MOST_NEEDED:
+        linked = with_bends(plain, most)
+        state = _compacted(linked, drawn)
+        if state is not None:
+            paths = polish(linked, state, 1, drawing.grid - 1)
+            return seen.restore(joined_links(linked, paths))
+    raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
+
+
+def _compacted(drawing: Drawing, drawn: FinePaths) -> list[Path] | None:
+    """The fine paths on the image's lattice, or None when there is no room."""
+    low, high = 1, drawing.grid - 1
+    state = drawn.paths, drawn.wanted
+    for turn in range(PASSES):
+        for along in (0, 1):
+            moved = compact(drawing, *state, along, low, high)
+            if moved is None and turn < PASSES - 1:
+                moved = compact(drawing, *state, along, low, high, bounded=False)
+            if moved is None:
+                return None
+            state = moved
+    return state[0]

@@ -1,0 +1,295 @@
+"""Gaps: what keeps panels of one layer apart where they are not sewn together.
+
+Two kinds of one-sided wishes (`Rows`): **facing** boundaries that leave a common node (the legs
+of trousers, a sleeve and a side seam) open like a wedge, and panels that share nothing (the two
+fronts of an open jacket) keep a distance. Weights fade smoothly with the geometry, so that a
+small movement of the pattern is a small movement of the layout.
+"""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from garmentimage.geometry import centroid, lengths_along
+from garmentimage.raster.encode.layout.relax import Rows
+from garmentimage.raster.encode.layout.reversed_seams import turned_share
+from garmentimage.raster.encode.layout.samples import INNER, Samples, ramp
+from garmentimage.raster.encode.layout.seam_graph import SeamComplex
+
+WEDGE = 0.2 / 3.0
+"""Opening of a gap of 1 cm, per cm from the node; other gaps in proportion."""
+ROW_WEIGHT = 0.375
+"""Strength of a row per cm of boundary; each pair of boundaries has rows both ways."""
+BEHIND, FAR_BEHIND = (-6.0, -2.0), (-20.0, -10.0)
+"""Boundaries this far [cm] on the wrong side of each other near their node do not face each other,
+fading; the second pair away from turned seams (trouser legs may lie crossed)."""
+TOGETHER = (-0.3, -0.1)
+"""Cosine between the directions of boundaries that run together, fading."""
+NEAR_NODE = (10.0, 14.0)
+"""What counts as near the node, fading [cm]."""
+CHORD_START = (2.0, 6.0)
+"""Chord directions are trusted from here on, fading [cm]."""
+END_TAPER = 0.15
+"""Share of the shorter boundary over which the wish fades out at its end."""
+AXIS_BLEND = 0.2
+"""How far from the diagonal a direction is pulled along both axes."""
+LEAST_WEIGHT = 1e-6
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """A run of boundary that leaves a node and has no neighbour on its own layer."""
+
+    key: tuple[int, int, int]
+    """Panel, first edge, and 1 where the run follows the loop or -1 where it runs against it."""
+    ids: Int[np.ndarray, " n"]
+    points: Float[np.ndarray, "n 2"]
+    along: Float[np.ndarray, " n"]
+    """Distance from the node [cm]."""
+    hand: float
+    """Side of the outside: normal = hand x (direction turned to the right)."""
+    directions: Float[np.ndarray, "n 2"]
+    """Unit direction at every sample: of the step that ends there, or of the chord to it."""
+
+
+def facing_rows(complex: SeamComplex, samples: Samples, gap: float, chord: bool) -> Rows:
+    """Wishes that facing boundaries open up to `gap` [cm].
+
+    Two boundaries face each other where the cloth lies on their far sides. That is judged where
+    the panels hang on the body, before they are brought together: only there a boundary on the
+    wrong side of another (the outer sides of a hood's halves) shows.
+
+    Args:
+        complex: the garment.
+        samples: its samples.
+        gap: width of a fully opened gap [cm].
+        chord: judge directions by chords from the node instead of tangents.
+    """
+    meeting: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
+    for i, panel in enumerate(complex.placed.panels):
+        for k in range(len(panel.curves)):
+            if _is_alone(complex, i, k, panel.layer):
+                arc, back = complex.owner[i, k]
+                ends = complex.arcs[arc].a, complex.arcs[arc].b
+                for step, node in ((1, ends[back]), (-1, ends[not back])):
+                    meeting.setdefault((panel.layer, node), []).append((i, k, step))
+    parts: list[Rows] = []
+    for keys in meeting.values():
+        if len({panel for panel, _, _ in keys}) < 2:
+            continue
+        chains = [_chain(complex, samples, key, chord) for key in keys]
+        for a, b in itertools.permutations(chains, 2):
+            if a.key[0] != b.key[0]:
+                parts.extend(_wedge(a, b, _lenience(complex, a, b), gap, chord))
+    return Rows.joined(parts) if parts else Rows.none()
+
+
+def _chain(
+    complex: SeamComplex, samples: Samples, key: tuple[int, int, int], chord: bool
+) -> _Chain:
+    """The run of boundary that begins with one edge and goes on while it has no neighbour."""
+    i, edge, step = key
+    panel = complex.placed.panels[i]
+    first = int(samples.start[i])
+    for loop in panel.loops:
+        here = slice(first, first + len(loop) * (INNER + 1))
+        if edge in loop:
+            break
+        first = here.stop
+    count, k, run = len(loop), loop.index(edge), 1
+    while run < count and _is_alone(complex, i, loop[(k + step * run) % count], panel.layer):
+        run += 1
+    begin = (k if step > 0 else k + 1) * (INNER + 1)
+    at = (begin + step * np.arange(run * (INNER + 1) + 1)) % (count * (INNER + 1))
+    points = samples.rest[here][at]
+    return _Chain(
+        key=key,
+        ids=samples.ids[here][at],
+        points=points,
+        along=lengths_along(points),
+        hand=float(panel.sign * step),
+        directions=_directions(points, chord),
+    )
+
+
+def _is_alone(complex: SeamComplex, panel: int, edge: int, layer: int) -> bool:
+    arc = complex.arcs[complex.owner[panel, edge][0]]
+    return sum(complex.placed.panels[p].layer == layer for p, _, _ in arc.sides) == 1
+
+
+def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> Iterator[Rows]:
+    """Rows from the samples of `a` to the points of `b` at the same distance from the node."""
+    reach = min(a.along[-1], b.along[-1])
+    s = a.along[(a.along > 0) & (a.along <= reach)]
+    if not len(s):
+        return
+    q = np.arange(1, len(s) + 1)
+    k = np.clip(np.searchsorted(b.along, s), 1, len(b.along) - 1)
+    at = np.clip((s - b.along[k - 1]) / np.maximum(b.along[k] - b.along[k - 1], 1e-9), 0, 1)
+    tangent_a = a.directions[q]
+    tangent_b = _between(b.directions, k, at)
+    normal_a, normal_b = a.hand * _right(tangent_a), b.hand * _right(tangent_b)
+    apart = normal_a - normal_b
+    offset = _between(b.points, k, at) - a.points[q]
+    bound = -0.1 if chord else -0.4
+    facing = 1 - ramp((normal_a * normal_b).sum(axis=1), bound - 0.1, bound + 0.1)
+    together = ramp((tangent_a * tangent_b).sum(axis=1), *TOGETHER)
+    meets = (a.ids[q] == b.ids[k]) | (a.ids[q] == b.ids[k - 1])
+    reached = np.minimum(facing, together) * ~meets
+    if not reached[0]:
+        return
+    taper = np.minimum(1.0, (reach - s) / (END_TAPER * reach))
+    if chord:
+        taper = taper * ramp(s, *CHORD_START)
+    span = (a.along[np.minimum(q + 1, len(a.along) - 1)] - a.along[q - 1]) / 2
+    size = np.abs(apart)
+    lean = (size[:, 0] - size[:, 1]) / np.maximum(size.sum(axis=1), 1e-9)
+    sideways = ramp(lean, -AXIS_BLEND, AXIS_BLEND)
+    for axis, share in ((0, sideways), (1, 1 - sideways)):
+        sign = np.where(apart[:, axis] >= 0, 1.0, -1.0)
+        behind = sign * offset[:, axis]
+        sane = np.maximum(ramp(behind, *BEHIND), lenience * ramp(behind, *FAR_BEHIND))
+        sane = np.where(share > 0, np.maximum(sane, ramp(s, *NEAR_NODE)), 1.0)
+        weight = ROW_WEIGHT * span * taper * share
+        weight = weight * np.minimum.accumulate(np.minimum(reached, sane))
+        (use,) = np.nonzero(weight > LEAST_WEIGHT)
+        yield Rows(
+            base=a.ids[q][use],
+            second=np.stack([b.ids[k - 1], b.ids[k]], axis=1)[use],
+            at=at[use],
+            axis=np.full(len(use), axis),
+            sign=sign[use],
+            distance=np.minimum(gap, WEDGE * gap * s)[use],
+            weight=weight[use],
+        )
+
+
+def _lenience(complex: SeamComplex, a: _Chain, b: _Chain) -> float:
+    """How far two chains that lie on the wrong side of each other may still face each other.
+
+    1 where the cloth round their node is sewn from one to the other, as between trouser legs; 0
+    where it is not, or by a seam that is turned: one end of that seam has the panels on their
+    far sides, the other has them crossed for good.
+    """
+    panel, edge, step = a.key
+    while True:
+        loop = next(loop for loop in complex.placed.panels[panel].loops if edge in loop)
+        edge, step = loop[(loop.index(edge) - step) % len(loop)], -step
+        if _is_alone(complex, panel, edge, complex.placed.panels[panel].layer):
+            return float((panel, edge, step) == b.key)
+        arc = complex.arcs[complex.owner[panel, edge][0]]
+        turned = turned_share(complex, arc)
+        if turned > 0 or (panel, edge, step) == a.key:
+            return 1.0 - turned
+        mine = next(side for side in arc.sides if side[:2] == (panel, edge))
+        other = next(side for side in arc.sides if side[:2] != (panel, edge))
+        panel, edge, step = other[0], other[1], step if mine[2] == other[2] else -step
+
+
+def _directions(points: np.ndarray, chord: bool) -> np.ndarray:
+    steps = points[1:] - (points[0] if chord else points[:-1])
+    steps = np.concatenate([steps[:1], steps])
+    return steps / (np.hypot(*steps.T)[:, None] + 1e-9)
+
+
+def _right(directions: np.ndarray) -> np.ndarray:
+    return np.stack([directions[:, 1], -directions[:, 0]], axis=1)
+
+
+def _between(values: np.ndarray, k: np.ndarray, at: np.ndarray) -> np.ndarray:
+    return (1 - at[:, None]) * values[k - 1] + at[:, None] * values[k]
+
+
+CLEARANCE = 1.8
+"""Distance that panels keep which share no node [cm]."""
+WATCHED = 3.0
+"""Pairs of boundary points up to this much farther apart are watched [cm]."""
+DEEP = (-45.0, -35.0)
+"""Panels that overlap deeper than this are not pushed apart, fading [cm]."""
+MOST_ROWS = 1500
+"""Where panels are near in more places than this they lie on each other: pushing is no use."""
+REACH = 1.0
+"""A boundary that ends this far [cm] above or below a point no more keeps it away."""
+
+
+def clearance_rows(
+    complex: SeamComplex, samples: Samples, points: Float[np.ndarray, "n 2"]
+) -> Rows:
+    """Wishes that keep panels of one layer apart that share no node, where they come near.
+
+    Points are compared along the axis on which the panels' rest positions lie farther apart,
+    with what stands at the same place on the other axis.
+    """
+    panels = complex.placed.panels
+    rings = [samples.ids[samples.panel(i)] for i in range(len(panels))]
+    low = np.array([points[r].min(axis=0) for r in rings]) - CLEARANCE
+    high = np.array([points[r].max(axis=0) for r in rings]) + CLEARANCE
+    centres = np.array([centroid(p.outline) for p in panels])
+    parts: list[Rows] = []
+    for i in range(len(panels)):
+        for j in range(len(panels)):
+            if i == j or panels[i].layer != panels[j].layer:
+                continue
+            if (low[i] > high[j]).any() or (low[j] > high[i]).any():
+                continue
+            if np.intersect1d(rings[i], rings[j]).size:
+                continue
+            parts.append(_apart(complex, samples, points, i, j, centres[j] - centres[i]))
+    if not parts or sum(len(part.base) for part in parts) > MOST_ROWS:
+        return Rows.none()
+    return Rows.joined(parts)
+
+
+def _apart(
+    complex: SeamComplex,
+    samples: Samples,
+    points: np.ndarray,
+    i: int,
+    j: int,
+    towards: np.ndarray,
+) -> Rows:
+    """Rows from the samples of panel `i` to the boundary of panel `j`, which lies `towards`.
+
+    Each row weighs as much as the two boundaries face each other, so none comes or goes at once.
+    """
+    axis = int(abs(towards[1]) > abs(towards[0]))
+    sign = 1.0 if towards[axis] >= 0 else -1.0
+    mine, _, ahead, behind = _outer_steps(complex, samples, points, i)
+    start, end, step, _ = _outer_steps(complex, samples, points, j)
+    # The outward side of a boundary lies to the right of its direction.
+    outward = complex.placed.panels[i].sign * (1 if axis == 0 else -1) * sign
+    facing = np.maximum(outward * (ahead + behind)[:, 1 - axis] / 2, 0.0)
+    inward = -complex.placed.panels[j].sign * (1 if axis == 0 else -1) * sign
+    faced = np.maximum(inward * step[:, 1 - axis] / (np.hypot(*step.T) + 1e-9), 0.0)
+    rise = np.where(np.abs(step[:, 1 - axis]) > 1e-9, step[:, 1 - axis], 1e-9)
+    unbounded = (points[mine, 1 - axis][:, None] - points[start, 1 - axis]) / rise
+    at = np.clip(unbounded, 0.0, 1.0)
+    present = 1.0 - ramp(np.abs(unbounded - at) * np.abs(rise), 0.0, REACH)
+    place = points[start, axis] + at * step[:, axis]
+    distance = sign * (place - points[mine, axis][:, None])
+    shallow = ramp(distance, *DEEP)
+    weight = ROW_WEIGHT * present * facing[:, None] * faced * shallow
+    row, k = np.nonzero((distance < CLEARANCE + WATCHED) & (weight > LEAST_WEIGHT))
+    return Rows(
+        base=mine[row],
+        second=np.stack([start[k], end[k]], axis=1),
+        at=at[row, k],
+        axis=np.full(len(row), axis),
+        sign=np.full(len(row), sign),
+        distance=np.full(len(row), CLEARANCE),
+        weight=weight[row, k],
+    )
+
+
+def _outer_steps(
+    complex: SeamComplex, samples: Samples, points: np.ndarray, panel: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Samples round the outer loop, the samples after them, and the steps ahead and behind."""
+    count = len(complex.placed.panels[panel].loops[0]) * (INNER + 1)
+    here = samples.ids[samples.start[panel] : samples.start[panel] + count]
+    following = np.roll(here, -1)
+    ahead = points[following] - points[here]
+    return here, following, ahead, np.roll(ahead, 1, axis=0)

@@ -1,0 +1,197 @@
+"""The seam complex: the garment as nodes, arcs and panels, whatever its shape.
+
+- A **node** is what all vertices that are sewn together become.
+- An **arc** joins two nodes: a stitched pair of edges is one arc, a free edge is one of its own.
+- Panels are the faces between arcs, each on one layer.
+
+Paper: the paper has no such complex; it reads seams off the deformed panels.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from garmentimage.errors import EncodeError
+from garmentimage.geometry import merge, polyline_length, root_of
+from garmentimage.raster.encode.placement import GENERIC_SLOPE, Placed, PlacedPanel, PlacedSeam
+from garmentimage.raster.encode.split import cut_polyline
+from garmentimage.raster.image import EdgeType
+
+Side = tuple[int, int]
+"""(panel index, edge number)."""
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A curve that the raster draws once: a seam, or a free edge."""
+
+    a: int
+    """First end node."""
+    b: int
+    """Last end node, never the first."""
+    layers: tuple[int, ...]
+    """Layers that the arc lies on."""
+    kind: EdgeType
+    """NON_STITCH, FRONT_TO_BACK or SIDE_BY_SIDE."""
+    sides: tuple[tuple[int, int, bool], ...]
+    """One or two (panel index, edge number, the edge runs against the arc)."""
+    slit: bool
+    """Both sides belong to one panel: a dart."""
+    length: float
+    """Length of the longer side [cm]."""
+
+
+@dataclass(frozen=True)
+class SeamComplex:
+    """Arcs between nodes, with the placed panels that they bound."""
+
+    placed: Placed
+    """Panels and seams; edges that closed on themselves are split in two."""
+    arcs: tuple[Arc, ...]
+    node_count: int
+    owner: Mapping[Side, tuple[int, bool]]
+    """For every side its arc, and whether the edge runs against that arc."""
+
+
+def seam_complex(placed: Placed) -> SeamComplex:
+    """Merge what is sewn together.
+
+    Arcs and nodes are ordered by place, so that the order of panels and stitches cannot matter.
+
+    Raises:
+        EncodeError: a panel whose whole outline is sewn to itself.
+    """
+    placed = _open_rings(placed)
+    corner = _merged_corners(placed)
+    arcs = sorted(
+        (_arc(placed, corner, sides) for sides in _sides(placed)),
+        key=lambda arc: _arc_key(placed, arc),
+    )
+    arcs = _renumbered(arcs)
+    owner = {(p, e): (i, back) for i, arc in enumerate(arcs) for p, e, back in arc.sides}
+    for i, panel in enumerate(placed.panels):
+        if all(arcs[owner[i, e][0]].slit for e in panel.loops[0]):
+            raise EncodeError(
+                f"panel {panel.source!r} is closed to a bag by sewing its outline to itself, "
+                "which cannot lie flat; split it in a front and a back panel",
+                remedy="pattern",
+            )
+    nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
+    return SeamComplex(placed, tuple(arcs), nodes, owner)
+
+
+def _sides(placed: Placed) -> list[tuple[tuple[Side, bool], ...]]:
+    """Per arc its sides, each with whether it runs against the first."""
+    sewn = [((s.a, False), (s.b, s.crossed)) for s in placed.seams]
+    taken = {side for pair in sewn for side, _ in pair}
+    free = [
+        (((i, k), False),)
+        for i, panel in enumerate(placed.panels)
+        for k in range(len(panel.curves))
+        if (i, k) not in taken
+    ]
+    return [*sewn, *free]
+
+
+def _merged_corners(placed: Placed) -> dict[Side, tuple[int, int]]:
+    """For every side its first and last node, numbered in no special order."""
+    ends: dict[Side, tuple[Side, Side]] = {}
+    for i, panel in enumerate(placed.panels):
+        for loop in panel.loops:
+            for k, following in zip(loop, (*loop[1:], loop[0])):
+                ends[i, k] = (i, k), (i, following)
+    number = {corner: n for n, corner in enumerate(ends)}
+    parent = np.arange(len(number))
+    for seam in placed.seams:
+        first, second = ends[seam.a], ends[seam.b]
+        for mine, theirs in zip(first, second[::-1] if seam.crossed else second):
+            merge(parent, number[mine], number[theirs])
+    return {
+        side: (root_of(parent, number[first]), root_of(parent, number[last]))
+        for side, (first, last) in ends.items()
+    }
+
+
+def _open_rings(placed: Placed) -> Placed:
+    """Split every edge whose two ends are one node, and its partner with it."""
+    corner = _merged_corners(placed)
+    rings = {side for side, (a, b) in corner.items() if a == b}
+    if not rings:
+        return placed
+    parts: dict[Side, tuple[Side, ...]] = {}
+    panels = []
+    for i, panel in enumerate(placed.panels):
+        curves: list[np.ndarray] = []
+        loops = []
+        origin: list[int | None] = []
+        for loop in panel.loops:
+            first = len(curves)
+            for k in loop:
+                pieces: tuple[np.ndarray, ...] = (panel.curves[k],)
+                if (i, k) in rings:
+                    pieces = cut_polyline(panel.curves[k], 0.5)
+                parts[i, k] = tuple((i, len(curves) + n) for n in range(len(pieces)))
+                curves.extend(pieces)
+                origin.extend([panel.origin[k]] * len(pieces))
+            loops.append(tuple(range(first, len(curves))))
+        panels.append(
+            replace(panel, curves=tuple(curves), loops=tuple(loops), origin=tuple(origin))
+        )
+    seams = [
+        PlacedSeam(a, b, seam.crossed, seam.cut)
+        for seam in placed.seams
+        for a, b in zip(parts[seam.a], parts[seam.b][::-1] if seam.crossed else parts[seam.b])
+    ]
+    return replace(placed, panels=tuple(panels), seams=tuple(seams))
+
+
+def _arc(
+    placed: Placed,
+    corner: dict[Side, tuple[int, int]],
+    sides: tuple[tuple[Side, bool], ...],
+) -> Arc:
+    """The arc of one side or of two, its sides ordered and its direction chosen by place."""
+    panels: list[PlacedPanel] = [placed.panels[i] for (i, _), _ in sides]
+    curves = [p.curves[k] for p, ((_, k), _) in zip(panels, sides)]
+    order = sorted(range(len(sides)), key=lambda n: (sides[n][0][0], _height(curves[n])))
+    first = order[0]
+    leaning = _lean(curves[first][-1]) < _lean(curves[first][0])
+    a, b = corner[sides[first][0]]
+    layers = tuple(sorted({p.layer for p in panels}))
+    if len(sides) == 1:
+        kind = EdgeType.NON_STITCH
+    else:
+        kind = EdgeType.FRONT_TO_BACK if len(layers) == 2 else EdgeType.SIDE_BY_SIDE
+    against_first = [back != sides[first][1] for _, back in sides]
+    return Arc(
+        a=b if leaning else a,
+        b=a if leaning else b,
+        layers=layers,
+        kind=kind,
+        sides=tuple((*sides[n][0], against_first[n] != leaning) for n in order),
+        slit=len(sides) == 2 and sides[0][0][0] == sides[1][0][0],
+        length=max(map(polyline_length, curves)),
+    )
+
+
+def _lean(point: np.ndarray) -> float:
+    return float(point[1] + GENERIC_SLOPE * point[0])
+
+
+def _height(curve: np.ndarray) -> float:
+    return _lean(curve.mean(axis=0))
+
+
+def _arc_key(placed: Placed, arc: Arc) -> tuple[tuple[int, ...], float]:
+    heights = [_height(placed.panels[i].curves[k]) for i, k, _ in arc.sides]
+    return arc.layers, sum(heights) / len(heights)
+
+
+def _renumbered(arcs: list[Arc]) -> list[Arc]:
+    """The same arcs with nodes numbered in the order in which the arcs meet them."""
+    number: dict[int, int] = {}
+    for arc in arcs:
+        for node in (arc.a, arc.b):
+            number.setdefault(node, len(number))
+    return [replace(arc, a=number[arc.a], b=number[arc.b]) for arc in arcs]

@@ -1,0 +1,279 @@
+"""Continuous layout: the seam complex drawn in the picture plane, every seam one curve.
+
+A cascade of drawings, from the plainest to the freest; nearly every garment is clean at the
+first. Each step is a fixed computation: no search, no randomness, and no choice by file order.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.errors import EncodeError
+from garmentimage.geometry import signed_area
+from garmentimage.raster.encode.layout.constraints import clearance_rows, facing_rows
+from garmentimage.raster.encode.layout.relax import Constrained, Energy, Rows, energy, turned_load
+from garmentimage.raster.encode.layout.samples import (
+    REFINED,
+    Resting,
+    Samples,
+    gather,
+    sample,
+    stiffness_of,
+)
+from garmentimage.raster.encode.layout.seam_graph import SeamComplex
+from garmentimage.raster.encode.layout.unbend import unrolled
+from garmentimage.raster.encode.placement import FRONT
+
+if TYPE_CHECKING:
+    import shapely
+
+GAP = 3.0
+"""Width of a fully opened gap [cm]."""
+FIRST = "rigid"
+"""The step that nearly every garment is clean at."""
+WIDE_GAPS = (("tangent", 9.0), ("chord", 9.0), ("tangent", 15.0))
+
+MOST_ARCS = 400
+"""Edges and seams of a garment; real ones have up to 130."""
+FOLD_TOL = 4.0
+"""Loops of a panel that crosses itself may have this area [cm²]: no more than routing mends."""
+OVERLAP_TOL = 12.0
+"""Panels may overlap by this area [cm²]: routing sorts out slivers."""
+
+TURNS = 40
+"""Most as-rigid-as-possible rounds."""
+SETTLED = 0.02
+"""Movement at which they end [cm]."""
+CLEARANCE_ROUNDS = 3
+"""Rounds of keeping panels apart that share no node; always as many, so that nothing jumps."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The seam complex drawn in the picture plane."""
+
+    complex: SeamComplex
+    curves: tuple[np.ndarray, ...]
+    """Per arc [K + 2, 2]: body cm, from node a to node b; end points are exactly shared."""
+    stage: str
+    """Which step of the cascade drew it."""
+    problems: tuple[str, ...]
+    """Folds and overlaps that are left, naming panels; empty when clean."""
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One step of the cascade."""
+
+    stage: str
+    chord: bool = False
+    gap: float = GAP
+    turning: bool = False
+    firm: bool = False
+    membranes: frozenset[int] = frozenset()
+
+
+def layouts(complex: SeamComplex) -> Iterator[Layout]:
+    """Layouts of a garment, computed as they are asked for.
+
+    First those without fold or overlap, in the order of the cascade: rigid; with gaps judged by
+    chords; with wider gaps; as rigid as possible; with split halves, then with the panels at
+    fault, as membranes. Then the others, those with the fewest problems first.
+
+    Raises:
+        EncodeError: more edges than any grid has room for.
+    """
+    if len(complex.arcs) > MOST_ARCS:
+        panel = max(complex.placed.panels, key=lambda p: (len(p.curves), p.source))
+        raise EncodeError(
+            f"the pattern has {len(complex.arcs)} edges and seams, {len(panel.curves)} of them "
+            f"round panel {panel.source[:80]!r}; an image has room for {MOST_ARCS}: smooth "
+            "outlines that turn at every vertex, or leave loose panels out",
+            remedy="pattern",
+        )
+    desk = _Desk(complex)
+    faulty = []
+    at_fault: set[int] = set()
+    for step in _cascade(complex, at_fault):
+        layout, found = desk.draw(step)
+        at_fault |= found if step.stage == FIRST else set()
+        if layout.problems:
+            faulty.append(layout)
+        else:
+            yield layout
+    yield from sorted(faulty, key=lambda one: len(one.problems))
+
+
+def _cascade(complex: SeamComplex, at_fault: set[int]) -> Iterator[_Step]:
+    """Steps in order; `at_fault` is read once the first step is drawn."""
+    yield _Step(FIRST)
+    yield _Step("firm", firm=True)
+    yield _Step("chord", chord=True)
+    for kind, gap in WIDE_GAPS:
+        yield _Step(f"{kind} gap {gap:g}", chord=kind == "chord", gap=gap)
+    yield _Step("turning", turning=True)
+    yield _Step("chord turning", turning=True, chord=True)
+    panels = complex.placed.panels
+    halves = {i for i, p in enumerate(panels) if p.half}
+    front = {i for i in halves if panels[i].layer == FRONT}
+    for stage, soft in (("front", front), ("half", halves), ("faulty", at_fault)):
+        if soft & at_fault:
+            yield _Step(f"{stage} membranes", membranes=frozenset(soft))
+
+
+@dataclass(frozen=True)
+class _Desk:
+    """What all drawings of one garment share."""
+
+    complex: SeamComplex
+
+    @cached_property
+    def resting(self) -> Resting:
+        return tuple(unrolled(panel) for panel in self.complex.placed.panels)
+
+    @cached_property
+    def samples(self) -> Samples:
+        return sample(self.complex, self.resting)
+
+    @cached_property
+    def stiffness(self) -> Float[np.ndarray, " p"]:
+        return stiffness_of(self.complex.placed)
+
+    @cached_property
+    def _ground(self) -> tuple[np.ndarray, Energy]:
+        return self._prepared(_Step(FIRST))
+
+    def _prepared(self, step: _Step) -> tuple[np.ndarray, Energy]:
+        """Rest positions with the panels brought together, and the energy."""
+        shifts = gather(self.complex.placed, self.resting, self.stiffness, step.membranes)
+        rest = self.samples.rest + np.repeat(shifts, np.diff(self.samples.start), axis=0)
+        return rest, energy(
+            self.complex, self.samples, rest, self.stiffness, step.membranes, step.firm
+        )
+
+    def draw(self, step: _Step) -> tuple[Layout, set[int]]:
+        """A layout, and the panels at fault in it."""
+        rest, base = self._prepared(step) if step.membranes or step.firm else self._ground
+        facing = facing_rows(self.complex, self.samples, step.gap, step.chord)
+        soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
+        turned = partial(
+            turned_load,
+            ids=self.samples.ids,
+            following=self.samples.following,
+            start=self.samples.start,
+            rest=rest,
+            stiffness=self.stiffness,
+            soft=soft,
+        )
+        system = Constrained.of(base, facing)
+        points = system.minimum(base.load)
+        for _ in range(CLEARANCE_ROUNDS):
+            near = clearance_rows(self.complex, self.samples, points)
+            if not len(near.base):
+                break
+            system = Constrained.of(base, Rows.joined([facing, near]))
+            points = system.minimum(base.load)
+        for _ in range(TURNS if step.turning else 0):
+            before, points = points, system.minimum(turned(points))
+            if np.abs(points - before).max() < SETTLED:
+                break
+        curves = _refined(self.complex, self.samples, rest, points)
+        problems, at_fault = find_problems(self.complex, curves)
+        return Layout(self.complex, curves, step.stage, problems), at_fault
+
+
+def _refined(
+    complex: SeamComplex,
+    samples: Samples,
+    rest: Float[np.ndarray, "r 2"],
+    points: Float[np.ndarray, "n 2"],
+) -> tuple[np.ndarray, ...]:
+    """The arcs through all samples, with the curvature of their edges between them.
+
+    Each side's edge is carried along with its samples; an arc is the mean of its two sides.
+    """
+    places = np.arange(samples.edges.shape[1]) / REFINED
+    curves = [np.zeros((len(places), 2)) for _ in complex.arcs]
+    edges = iter(samples.edges)
+    for i, panel in enumerate(complex.placed.panels):
+        first = samples.start[i]
+        shift = rest[first] - samples.rest[first]
+        for k in (k for loop in panel.loops for k in loop):
+            arc, back = complex.owner[i, k]
+            own = next(edges) + shift
+            own = own[::-1].copy() if back else own
+            moved = points[samples.arcs[arc]] - own[::REFINED]
+            for axis in (0, 1):
+                own[:, axis] += np.interp(places, places[::REFINED], moved[:, axis])
+            curves[arc] += own / len(complex.arcs[arc].sides)
+    for curve, chain in zip(curves, samples.arcs):
+        curve[::REFINED] = points[chain]
+    return tuple(curves)
+
+
+def find_problems(
+    complex: SeamComplex, curves: tuple[np.ndarray, ...]
+) -> tuple[tuple[str, ...], set[int]]:
+    """Folded panels and overlapping pairs on a layer, in words, and the panels at fault.
+
+    Darts are left out of the outlines: their legs coincide.
+    """
+    import shapely
+
+    panels = complex.placed.panels
+    problems, at_fault = [], set()
+    shapes = []
+    for i, panel in enumerate(panels):
+        rings = [
+            _ring(complex, curves, i, loop)
+            for loop in panel.loops
+            # A hole sewn up by itself, a fish-eye dart, leaves nothing out.
+            if not all(complex.arcs[complex.owner[i, k][0]].slit for k in loop)
+        ]
+        shape, folded = _largest_part(shapely.Polygon(rings[0], rings[1:]))
+        if folded > FOLD_TOL or signed_area(rings[0]) * panel.sign <= 0:
+            problems.append(f"panel {panel.name!r} folds over itself")
+            at_fault.add(i)
+        shapes.append(shape)
+    near = shapely.STRtree(shapes).query(shapes).T
+    pairs = [(i, j) for i, j in near if i < j and panels[i].layer == panels[j].layer]
+    for i, j in pairs:
+        area = shapes[i].intersection(shapes[j]).area
+        if area > OVERLAP_TOL:
+            problems.append(
+                f"panels {panels[i].name!r} and {panels[j].name!r} overlap by {area:.0f} cm²"
+            )
+            at_fault |= {i, j}
+    return tuple(problems), at_fault
+
+
+def _largest_part(shape: "shapely.Polygon") -> tuple["shapely.Geometry", float]:
+    """A polygon without the small loops that it makes where it crosses itself, and their area."""
+    import shapely
+
+    if shape.is_valid:
+        return shape, 0.0
+    # Far quicker on tangles than make_valid, which can take minutes.
+    faces = shapely.get_parts(shapely.polygonize([shapely.node(shape.exterior)]))
+    if not len(faces):
+        return shapely.Polygon(), np.inf
+    areas = shapely.area(faces)
+    whole = faces[int(np.argmax(areas))]
+    for hole in shape.interiors:
+        whole = whole.difference(shapely.Polygon(hole).buffer(0))
+    return whole, float(areas.sum() - areas.max())
+
+
+def _ring(
+    complex: SeamComplex, curves: tuple[np.ndarray, ...], panel: int, loop: tuple[int, ...]
+) -> Float[np.ndarray, "n 2"]:
+    parts = []
+    for k in loop:
+        arc, back = complex.owner[panel, k]
+        if not complex.arcs[arc].slit:
+            parts.append((curves[arc][::-1] if back else curves[arc])[:-1])
+    return np.concatenate(parts)

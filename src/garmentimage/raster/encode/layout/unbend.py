@@ -1,0 +1,144 @@
+"""Unrolling: a panel cut as a wide sector, as circle skirts are, rests as a narrower one.
+
+The front of a full-circle skirt is half a ring; laid flat its sides stand level with the waist or
+curl up beside it, over whatever is sewn above. On the body it hangs down. Before panels are drawn
+together, such a ring sector is bent about its centre to a narrower angle, its inner arc keeping
+its length. Only the drawing is bent: the panel's own shape is what the image's deformation holds.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.geometry import polyline_length
+from garmentimage.raster.encode.layout.samples import ramp
+from garmentimage.raster.encode.placement import PlacedPanel
+
+WIDEST = np.radians(120.0)
+"""Sectors up to this angle rest as they are ..."""
+BEYOND = 0.15
+"""... and of what is beyond it, this share is kept."""
+SMOOTH = np.radians(35.0)
+"""Edges that meet at a smaller turn than this go on as one arc."""
+RING = (0.3, 0.5)
+"""Shortest side of the sector as a share of its depth, from which on and at which it is a ring
+sector; a neckline or an armhole has short shoulders beside a long body."""
+
+
+@dataclass(frozen=True)
+class _Sector:
+    """A ring sector: where its inner arc lies round its centre."""
+
+    first: int
+    """Place in the loop of the arc's first edge."""
+    count: int
+    """Edges of the arc."""
+    angle: float
+    """[radians]"""
+    radius: float
+    centre: Float[np.ndarray, " 2"]
+
+
+def unrolled(panel: PlacedPanel) -> tuple[Float[np.ndarray, "n 2"], ...]:
+    """The panel's curves at rest in the drawing: as placed, or bent when it is a wide sector."""
+    sector = _widest_sector(panel)
+    if sector is None:
+        return panel.curves
+    loop = panel.loops[0]
+    order = [loop[(sector.first + k) % len(loop)] for k in range(len(loop))]
+    joined = np.concatenate([panel.curves[k][:-1] for k in order])
+    away = joined - sector.centre
+    lead = sum(len(panel.curves[k]) - 1 for k in order[: sector.count])
+    axis = away[: lead + 1].sum(axis=0)
+    axis /= np.hypot(*axis) + 1e-9
+    bearing = np.unwrap(
+        np.arctan2(axis[0] * away[:, 1] - axis[1] * away[:, 0], away @ axis), axis=0
+    )
+    bearing -= bearing[: lead + 1].mean()
+    if np.abs(bearing).max() > np.pi:
+        return panel.curves
+    ring = _ring_share(panel, order[sector.count], order[-1], np.hypot(*away.T), sector.radius)
+    share = 1.0 - ring * (1 - BEYOND) * (1 - WIDEST / sector.angle)
+    if share >= 1.0:
+        return panel.curves
+
+    def bent(points: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        reach = np.hypot(*(points - sector.centre).T) + sector.radius * (1 / share - 1)
+        centre = sector.centre - axis * sector.radius * (1 / share - 1)
+        side = np.array([-axis[1], axis[0]])
+        return centre + reach[:, None] * (
+            np.cos(share * turn)[:, None] * axis + np.sin(share * turn)[:, None] * side
+        )
+
+    curves = list(panel.curves)
+    at = 0
+    for k in order:
+        size = len(panel.curves[k])
+        turn = np.take(bearing, np.arange(at, at + size), mode="wrap")
+        curves[k] = bent(panel.curves[k], turn)
+        at += size - 1
+    for hole in panel.loops[1:]:
+        for k in hole:
+            away = panel.curves[k] - sector.centre
+            turn = np.arctan2(axis[0] * away[:, 1] - axis[1] * away[:, 0], away @ axis)
+            curves[k] = bent(panel.curves[k], turn)
+    return tuple(curves)
+
+
+def _ring_share(
+    panel: PlacedPanel, after: int, before: int, distance: np.ndarray, radius: float
+) -> float:
+    """1 for a ring sector, 0 for a panel with a mere bay in its outline, fading between."""
+    depth = float(distance.max()) - radius
+    if depth <= 0 or distance.min() < radius / 2:
+        return 0.0
+    side = min(polyline_length(panel.curves[k]) for k in (after, before))
+    return float(ramp(side / depth, *RING))
+
+
+def _widest_sector(panel: PlacedPanel) -> _Sector | None:
+    """The run of edges that bends inwards most, when that is more than `WIDEST`."""
+    loop = panel.loops[0]
+    count = len(loop)
+    ends = [_end_directions(panel.curves[k]) for k in loop]
+    turns = [_turn(panel.curves[k]) * -panel.sign for k in loop]
+    best: _Sector | None = None
+    for first in range(count):
+        angle, size = turns[first], 1
+        while size < count - 2:
+            here, there = (first + size - 1) % count, (first + size) % count
+            corner = _angle(ends[here][1], ends[there][0])
+            if abs(corner) > SMOOTH or turns[there] <= 0:
+                break
+            angle += turns[there] - panel.sign * corner
+            size += 1
+        if turns[first] <= 0 or angle <= max(WIDEST, best.angle if best else 0.0):
+            continue
+        points = np.concatenate([panel.curves[loop[(first + k) % count]] for k in range(size)])
+        radius = polyline_length(points) / angle
+        step = np.gradient(points, axis=0)
+        step /= np.hypot(*step.T)[:, None] + 1e-9
+        # Cloth lies to the left of a counter-clockwise loop; the centre on the other side.
+        centre = (points + radius * panel.sign * step[:, ::-1] * (1, -1)).mean(axis=0)
+        best = _Sector(first, size, angle, radius, centre)
+    return best
+
+
+def _end_directions(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return curve[1] - curve[0], curve[-1] - curve[-2]
+
+
+def _turn(curve: np.ndarray) -> float:
+    """Total turning to the left along a curve [radians]."""
+    step = np.diff(curve, axis=0)
+    return float(
+        np.arctan2(
+            step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0],
+            (step[:-1] * step[1:]).sum(axis=1),
+        ).sum()
+    )
+
+
+def _angle(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))

@@ -1,0 +1,335 @@
+"""Placement: every panel gets a layer and a pose in the picture plane.
+
+Words of this file:
+
+- **Body cm**: x to the right of a picture of the front, 0 on the body's axis; y up, 0 on the
+  floor; z towards the viewer of the front.
+- A **frontal** panel faces front or back; an **edge-on** panel is seen from its side.
+- A panel **wraps** when it goes round the side of the body or over the head, so that one part
+  lies in front and one behind: it is split in two **halves** (see `split`).
+- The **layout pose** is a panel moved rigidly into the picture plane, arms stretched to the sides.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.errors import EncodeError
+from garmentimage.geometry import signed_area
+from garmentimage.pattern import FRONTAL, Pattern, Point, floor_shift
+from garmentimage.raster.encode.joints import find_joints
+from garmentimage.raster.encode.split import Cloth, Piece, split_wrapping
+
+FRONT, BACK = 0, 1
+
+EDGE_ON = 0.35
+"""Panels with |R22| below this are unrolled to the side instead of projected."""
+
+LAYER_DEPTH = 5.0
+"""Frontal panels closer together in depth than this [cm] do not tell front from back."""
+
+DEPTH_DEAD_ZONE = 1.0
+"""Panels nearer to the middle plane than this [cm] take their layer from their outer face."""
+
+PLAIN_ANGLE = 30.0
+"""Panels turned by less than this [degrees] from upright or lying are meant so."""
+
+UPRIGHT_PULL = 15.0
+"""Length [cm] of an upright seam that would keep the half of a split panel upright."""
+
+AXIS_CLEARANCE = 1.0
+"""Distance that the halves of a side panel keep from the body's axis [cm]."""
+
+
+@dataclass(frozen=True)
+class PlacedPanel:
+    """A panel, or a half of one, in its layout pose."""
+
+    name: str
+    """Unique; halves have a suffix."""
+    source: str
+    """Name of the pattern's panel."""
+    layer: int
+    """0 front, 1 back."""
+    curves: tuple[np.ndarray, ...]
+    """Per edge a dense polyline [n, 2] in body cm, directed and chained as in the panel."""
+    loops: tuple[tuple[int, ...], ...]
+    """Edge numbers per loop, outer loop first."""
+    matrix: Float[np.ndarray, "2 2"]
+    """Orthogonal: layout point = matrix @ panel point + offset."""
+    offset: Float[np.ndarray, " 2"]
+    sign: int
+    """+1 when the outer loop runs counter-clockwise in the layout, else -1."""
+    half: bool
+    """Part of a split panel."""
+    origin: tuple[int | None, ...] = ()
+    """Per edge the number of the edge of the pattern's panel that it is, or is a part of; None
+    where the panel was cut."""
+
+    @property
+    def outward(self) -> int:
+        """`sign` of a panel whose right side faces away from the body."""
+        return 1 if self.layer == FRONT else -1
+
+    @property
+    def outline(self) -> Float[np.ndarray, "n 2"]:
+        """The outer loop as a polygon, not closed."""
+        return np.concatenate([self.curves[k][:-1] for k in self.loops[0]])
+
+
+@dataclass(frozen=True)
+class PlacedSeam:
+    """Two sides sewn together; a side is (panel index, edge number)."""
+
+    a: tuple[int, int]
+    b: tuple[int, int]
+    crossed: bool
+    """The start of `a` meets the end of `b`."""
+    cut: bool
+    """Made by splitting a wrapping panel; no seam in the pattern."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """All panels in their layout pose, with their seams."""
+
+    panels: tuple[PlacedPanel, ...]
+    seams: tuple[PlacedSeam, ...]
+    joined: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
+    """Of the pattern's panels, vertices of dense outlines that decoding shall put back, in the
+    panel's own frame [cm]."""
+
+
+def place(pattern: Pattern) -> Placed:
+    """Give every panel its layer and its layout pose, edges joined, wrapping panels split.
+
+    The result does not depend on the order or the names of panels and stitches, nor on which
+    edge of a panel comes first, and a mirrored garment gives the mirrored result.
+
+    Raises:
+        EncodeError: a seam that cannot lie flat (one panel inside out, or on a second cloth
+            layer), or a wrapping panel that cannot be split.
+    """
+    joints = find_joints(pattern)
+    cloth = Cloth.of(pattern, joints, floor_shift(pattern))
+    middle = middle_depth(cloth)
+    for piece in cloth.pieces:
+        piece.layer = _layer(cloth, piece, middle)
+    split_wrapping(cloth, middle)
+    matrices = _matrices(cloth)
+    poses = {id(p): (m, _offset(cloth, p, m)) for p, m in zip(cloth.pieces, matrices)}
+    pieces = sorted(cloth.pieces, key=lambda p: _place_key(cloth, p))
+    where = {edge: (i, k) for i, p in enumerate(pieces) for k, edge in enumerate(_flat(p.loops))}
+    panels = tuple(_placed(cloth, p, *poses[id(p)]) for p in pieces)
+    seams = []
+    for edge, (other, crossed) in cloth.sewn.items():
+        if where[edge] < where[other]:
+            seams.append(PlacedSeam(where[edge], where[other], crossed, edge in cloth.cuts))
+    seams.sort(key=lambda s: (s.a, s.b))
+    for seam in seams:
+        _check_flat(panels, seam)
+    joined: dict[str, tuple[Point, ...]] = {}
+    for side in joints.kept:
+        joined[side.panel] = (*joined.get(side.panel, ()), pattern.curve(side).start)
+    return Placed(panels, tuple(seams), joined)
+
+
+def middle_depth(cloth: Cloth) -> float:
+    """Depth of the plane between front and back: midway between their mean frontal panels."""
+    depths = np.array([cloth.centre(p)[2] for p in cloth.pieces if abs(p.rotation[2, 2]) > FRONTAL])
+    if not len(depths) or np.ptp(depths) <= LAYER_DEPTH:
+        return 0.0
+    halfway = (depths.max() + depths.min()) / 2
+    return float(depths[depths > halfway].mean() + depths[depths <= halfway].mean()) / 2
+
+
+def _layer(cloth: Cloth, piece: Piece, middle: float) -> int:
+    depth = cloth.centre(piece)[2] - middle
+    if abs(depth) < DEPTH_DEAD_ZONE and abs(piece.rotation[2, 2]) > FRONTAL:
+        depth = _outward(cloth, piece)[2]
+    return FRONT if depth >= 0 else BACK
+
+
+def _matrices(cloth: Cloth) -> list[np.ndarray]:
+    """For every piece the 2 x 2 matrix that takes its own frame to the layout.
+
+    A panel that hangs askew (a sleeve, and its cuff) is turned to the upright or the lying
+    position nearest to it. Where it is not plain which of the two is meant, its seams with panels
+    of known position decide, those with the longest seams first.
+    """
+    matrices: dict[int, np.ndarray] = {}
+    askew: dict[int, list[np.ndarray]] = {}
+    for i, piece in enumerate(cloth.pieces):
+        if piece.half or abs(piece.rotation[2, 2]) < EDGE_ON:
+            matrices[i] = _unrolled(cloth, piece)
+            continue
+        choices = _upright(piece.rotation)
+        if len(choices) == 1:
+            matrices[i] = choices[0]
+        else:
+            askew[i] = choices
+    links = _links(cloth)
+    while askew:
+        known = {i: [k for k in links if k[0] == i and k[1] in matrices] for i in askew}
+        i = max(askew, key=lambda i: (sum(k[4] for k in known[i]), -_lean(cloth, cloth.pieces[i])))
+        matrices[i] = max(askew.pop(i), key=lambda m: _agreement(m, known[i], matrices))
+    whole = {i: m for i, m in matrices.items() if not cloth.pieces[i].half}
+    for i in matrices.keys() - whole.keys():
+        known_links = [k for k in links if k[0] == i and k[1] in whole]
+        matrices[i] = _leaning(matrices[i], known_links, whole)
+    return [matrices[i] for i in range(len(cloth.pieces))]
+
+
+Link = tuple[int, int, np.ndarray, np.ndarray, float]
+"""Piece, partner, chord of the seam's side on each, pointing the same way, and its length."""
+
+
+def _links(cloth: Cloth) -> list[Link]:
+    """Every seam, once from each side."""
+    owner = {e: i for i, p in enumerate(cloth.pieces) for e in _flat(p.loops)}
+    links = []
+    for edge, (other, crossed) in cloth.sewn.items():
+        mine = cloth.curves[edge][-1] - cloth.curves[edge][0]
+        theirs = cloth.curves[other][-1] - cloth.curves[other][0]
+        size = float(np.hypot(*mine))
+        links.append((owner[edge], owner[other], mine, -theirs if crossed else theirs, size))
+    return links
+
+
+def _agreement(matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]) -> float:
+    """How well the sides of a piece point the way of the sides that they are sewn to [cm]."""
+    agreement = 0.0
+    for _, partner, mine, theirs, size in links:
+        along = matrix @ mine @ (matrices[partner] @ theirs)
+        agreement += along * size / (np.hypot(*mine) * np.hypot(*theirs) + 1e-9)
+    return agreement
+
+
+def _leaning(matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]) -> np.ndarray:
+    """The pose of a half, turned so that its seams lean as those that they are sewn to.
+
+    Least squares over the directions, with `UPRIGHT_PULL` towards the upright.
+    """
+    along, across = UPRIGHT_PULL, 0.0
+    for _, partner, mine, theirs, size in links:
+        (x, y), (u, v) = matrix @ mine, matrices[partner] @ theirs
+        scale = size / (np.hypot(x, y) * np.hypot(u, v) + 1e-9)
+        along += scale * (x * u + y * v)
+        across += scale * (x * v - y * u)
+    size = np.hypot(along, across)
+    return np.array([[along, -across], [across, along]]) @ matrix / size
+
+
+def _lean(cloth: Cloth, piece: Piece) -> float:
+    x, y, z = cloth.centre(piece)
+    return float(y + GENERIC_SLOPE * x + GENERIC_SLOPE**2 * z)
+
+
+def _offset(cloth: Cloth, piece: Piece, matrix: np.ndarray) -> np.ndarray:
+    """Where the origin of the panel's own frame lies in the layout."""
+    polygon = cloth.polygon(piece)
+    world = cloth.centre(piece)
+    offset = world[:2] - matrix @ cloth.own_centre(piece)
+    if piece.half and _faces_sideways(piece.rotation):
+        side = np.sign(_outward(cloth, piece)[0])
+        nearest = (side * (polygon @ matrix[0] + offset[0])).min()
+        offset = offset + np.array([side * max(AXIS_CLEARANCE - nearest, 0.0), 0.0])
+    return offset
+
+
+def _outward(cloth: Cloth, piece: Piece) -> np.ndarray:
+    """Unit normal of the panel's outer face: seen from there its outline runs counter-clockwise."""
+    return piece.rotation[:, 2] * np.sign(signed_area(cloth.polygon(piece)))
+
+
+def _upright(rotation: np.ndarray) -> list[np.ndarray]:
+    """The picture-plane poses a panel may be meant in, upright or lying, nearest first.
+
+    Paper, Section 3.2, asks for panels aligned by hand; this makes an A-pose sleeve a T-pose
+    sleeve. There is no choice for a panel turned by less than `PLAIN_ANGLE` from such a pose.
+    """
+    near = _nearest_orthogonal(rotation[:2, :2])
+    mirror = np.diag([1.0 if np.linalg.det(near) > 0 else -1.0, 1.0])
+    turn = near @ mirror
+    angle = np.rad2deg(np.arctan2(turn[1, 0], turn[0, 0]))
+    below = np.floor(angle / 90)
+    beyond = angle / 90 - below
+    if beyond * 90 < PLAIN_ANGLE:
+        quarters = [below]
+    elif beyond * 90 > 90 - PLAIN_ANGLE:
+        quarters = [below + 1]
+    else:
+        quarters = [below, below + 1] if beyond < 0.5 else [below + 1, below]
+    return [_quarter_turns(int(q)) @ mirror for q in quarters]
+
+
+def _quarter_turns(count: int) -> np.ndarray:
+    cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[count % 4]
+    return np.array([[cos, -sin], [sin, cos]], float)
+
+
+def _unrolled(cloth: Cloth, piece: Piece) -> np.ndarray:
+    """An edge-on panel laid flat: what is deep in the body goes outward, away from its axis."""
+    rotation, outward = piece.rotation, _outward(cloth, piece)
+    deep = -1.0 if piece.layer == FRONT else 1.0
+    if _faces_sideways(rotation):
+        rows = [np.sign(outward[0]) * deep * rotation[2, :2], rotation[1, :2]]
+    else:
+        rows = [rotation[0, :2], np.sign(outward[1]) * deep * rotation[2, :2]]
+    return _nearest_orthogonal(np.stack(rows))
+
+
+def _faces_sideways(rotation: np.ndarray) -> bool:
+    return bool(abs(rotation[0, 2]) >= abs(rotation[1, 2]))
+
+
+def _nearest_orthogonal(matrix: np.ndarray) -> np.ndarray:
+    """Polar factor: the orthogonal matrix nearest to a 2 x 2 matrix."""
+    u, _, v = np.linalg.svd(matrix)
+    return u @ v
+
+
+def _placed(cloth: Cloth, piece: Piece, matrix: np.ndarray, offset: np.ndarray) -> PlacedPanel:
+    numbers = iter(range(sum(map(len, piece.loops))))
+    panel = PlacedPanel(
+        name=piece.name,
+        source=piece.source,
+        layer=piece.layer,
+        curves=tuple(cloth.curves[e] @ matrix.T + offset for e in _flat(piece.loops)),
+        loops=tuple(tuple(next(numbers) for _ in loop) for loop in piece.loops),
+        matrix=matrix,
+        offset=offset,
+        sign=1,
+        half=piece.half,
+        origin=tuple(cloth.origin.get(e) for e in _flat(piece.loops)),
+    )
+    return panel if signed_area(panel.outline) > 0 else replace(panel, sign=-1)
+
+
+def _flat(loops: list[list[int]]) -> list[int]:
+    return [edge for loop in loops for edge in loop]
+
+
+def _place_key(cloth: Cloth, piece: Piece) -> tuple[int, float, str]:
+    """Where a panel stands in every list: by layer and place, so that file order cannot matter."""
+    return piece.layer, _lean(cloth, piece), piece.name
+
+
+GENERIC_SLOPE = 0.381966
+"""Direction along which places are put in order; a slope that no pattern has, so ties are rare."""
+
+
+def _check_flat(panels: tuple[PlacedPanel, ...], seam: PlacedSeam) -> None:
+    """Both sides must have their right side out, as cloth that lies flat has."""
+    a, b = panels[seam.a[0]], panels[seam.b[0]]
+    same_face = a.sign * (-1) ** a.layer == b.sign * (-1) ** b.layer
+    if same_face == seam.crossed:
+        return
+    raise EncodeError(
+        f"panels {a.source[:80]!r} and {b.source[:80]!r} are sewn right side to wrong side, as for "
+        "a collar or lapel that needs a second cloth layer; leave that panel out, or turn it over "
+        "if it is inside out",
+        remedy="pattern",
+    )

@@ -1,0 +1,107 @@
+"""Proof: whether decoding an image brings its pattern back, and if not, what is lost."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import dist, sqrt
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.compare import (
+    StitchGraph,
+    judge,
+    lengths_agree,
+    match_graphs,
+    same_stitch_graph,
+    stitch_graph,
+    surely_same,
+)
+from garmentimage.errors import DecodeError
+from garmentimage.pattern import Pattern
+from garmentimage.raster.image import GarmentImage
+
+Bows = dict[tuple[str, int | None], float]
+"""For edges (panel, edge number): how many times as far as on the edge points lie off its chord."""
+
+BOW_LIMIT = 2.0
+"""A bend that must reach more than this many times as far is another shape: it is not bowed."""
+
+
+@dataclass(frozen=True)
+class Disproof:
+    """Why an image does not bring its pattern back."""
+
+    reason: str = ""
+    """In words; "" where it does."""
+    bows: Mapping[tuple[str, int | None], float] = field(default_factory=dict)
+    """Where only lengths of seams are lost: what would bring them back, see `Bows`."""
+
+
+def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Disproof:
+    """Decode an image, and say what of its pattern does not come back.
+
+    What counts is what `judge` says; it is asked only where a quicker look leaves doubt.
+
+    Args:
+        pattern: what the image should show.
+        graph: its stitch graph.
+        image: with the marks of its panels.
+    """
+    from garmentimage.raster.decode import decode
+
+    try:
+        decoded = decode(image)
+    except DecodeError as error:
+        return Disproof(f"its image cannot be decoded: {error}")
+    back = stitch_graph(decoded)
+    if surely_same(pattern, decoded, (graph, back)):
+        return Disproof()
+    # With marks every panel has its name again, so that no other assignment need be looked for.
+    same = {name: name for name in graph.panels if name in back.panels}
+    lost = same_stitch_graph(graph, back, same)
+    if not lost:
+        result = judge(pattern, decoded)
+        if result.success:
+            return Disproof()
+        lost = list(result.reasons)
+    reason, *others = lost
+    more = f" (and {len(others)} more)" if others else ""
+    return Disproof(
+        f"its image does not bring it back: {reason}{more}", lengthening(pattern, graph, back)
+    )
+
+
+def bowed(points: Float[np.ndarray, "n 2"], bow: float) -> Float[np.ndarray, "n 2"]:
+    """Points of an edge, `bow` times as far off its chord as they are."""
+    share = np.linspace(0, 1, len(points))[:, None]
+    chord = (1 - share) * points[0] + share * points[-1]
+    return chord + bow * (points - chord)
+
+
+def lengthening(pattern: Pattern, graph: StitchGraph, back: StitchGraph) -> Bows:
+    """What would bring back the lengths of seams; nothing where more than lengths differ.
+
+    For a flat bend of width w the length l is about sqrt(w² + h²), h growing as the bend does.
+    """
+    same = {name: (name,) for name in graph.panels}
+    match = match_graphs(graph, back, same, check_lengths=False)
+    if match is None:
+        return {}
+    bows: Bows = {}
+    for k, m in match.sides.items():
+        side, found = graph.sides[k], back.sides[m].length
+        if lengths_agree(side.length, found):
+            continue
+        curves = [pattern.curve(edge) for edge in side.sides]
+        width = sum(dist(curve.start, curve.end) for curve in curves)
+        if min(found, side.length) <= width:
+            return {}
+        bow = sqrt((side.length**2 - width**2) / (found**2 - width**2))
+        if not 1 / BOW_LIMIT <= bow <= BOW_LIMIT:
+            return {}
+        bows |= {
+            (side.panel, edge): bow
+            for edge, curve in zip(side.edges, curves, strict=True)
+            if not curve.is_straight
+        }
+    return bows

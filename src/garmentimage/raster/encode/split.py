@@ -1,0 +1,361 @@
+"""Splitting: panels that wrap round the body are cut in a front and a back half.
+
+A `Cloth` is a pattern taken apart for cutting: every edge has a number of its own that stays the
+same whatever is cut elsewhere.
+"""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.errors import EncodeError
+from garmentimage.geometry import (
+    CHORDS,
+    centroid,
+    lengths_along,
+    polyline_length,
+    resample,
+    signed_area,
+)
+from garmentimage.pattern import Pattern, Side, side_loops
+from garmentimage.raster.encode.joints import Joints
+
+SEEN_FROM_SIDE = 0.6
+"""Only panels with |R22| below this are ever split."""
+
+CLEAR_CROSSING = 0.2
+"""Share of a panel's depth beyond the middle plane at which it is split in any case."""
+
+NEIGHBOUR_CROSSING = 0.03
+"""The same, for a panel whose stitched neighbours lie on both layers."""
+
+PARTNER_REACH = 0.3
+"""Reach, in perimeters, to a vertex where the neighbours change from one layer to the other."""
+
+VERTEX_REACH = 0.035
+"""Reach, in perimeters, to any other vertex."""
+
+LEAST_HALF = 0.1
+"""Share of a panel's area that either half must keep."""
+
+SUFFIXES = ("front", "back")
+
+
+@dataclass
+class Piece:
+    """A panel or a part of one: loops of edge numbers, outer loop first."""
+
+    name: str
+    source: str
+    rotation: Float[np.ndarray, "3 3"]
+    translation: Float[np.ndarray, " 3"]
+    loops: list[list[int]]
+    layer: int = 0
+    half: bool = False
+
+
+@dataclass
+class Cloth:
+    """A pattern taken apart: pieces, edges, and which edge is sewn to which."""
+
+    pieces: list[Piece] = field(default_factory=list)
+    curves: dict[int, np.ndarray] = field(default_factory=dict)
+    """Dense polyline of every edge, in the frame of its panel [cm]."""
+    sewn: dict[int, tuple[int, bool]] = field(default_factory=dict)
+    """For every sewn edge its partner, and whether the start of one meets the end of the other."""
+    cuts: set[int] = field(default_factory=set)
+    """Edges made by cutting."""
+    origin: dict[int, int] = field(default_factory=dict)
+    """For every edge that is not a cut, the number of the edge of its pattern's panel that it is,
+    is a part of, or begins with."""
+    _own_centres: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
+    """Centres of area already found, by outer loop."""
+    numbers: Iterator[int] = field(default_factory=itertools.count)
+
+    @classmethod
+    def of(cls, pattern: Pattern, joints: Joints, lift: float) -> "Cloth":
+        """`pattern`, its edges joined at the open `joints`, lifted by `lift` [cm]."""
+        cloth = cls()
+        edges: dict[Side, int] = {}
+        loops: dict[str, list[list[int]]] = {panel.name: [] for panel in pattern.panels}
+        for _, ring in side_loops(pattern):
+            loops[ring[0].panel].append([])
+            for part in _joined(ring, joints):
+                number = next(cloth.numbers)
+                loops[ring[0].panel][-1].append(number)
+                curves = [pattern.curve(side) for side in part]
+                lines = [c.sample(1 if c.is_straight else CHORDS) for c in curves]
+                cloth.curves[number] = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
+                edges.update(dict.fromkeys(part, number))
+                cloth.origin[number] = part[0].edge
+        for panel in pattern.panels:
+            where = np.array(panel.translation) + np.array([0.0, lift, 0.0])
+            piece = Piece(panel.name, panel.name, panel.matrix, where, loops[panel.name])
+            cloth.pieces.append(piece)
+        for stitch in pattern.stitches:
+            if stitch.a not in joints.stubs:
+                a, b = (edges[side] for side in stitch.sides)
+                cloth.sew(a, b, crossed=not stitch.same_direction)
+        return cloth
+
+    def sew(self, a: int, b: int, *, crossed: bool) -> None:
+        """Sew edge `a` to edge `b`."""
+        self.sewn[a], self.sewn[b] = (b, crossed), (a, crossed)
+
+    def polygon(self, piece: Piece) -> Float[np.ndarray, "n 2"]:
+        """The outer loop in the panel's own frame, not closed."""
+        return np.concatenate([self.curves[e][:-1] for e in piece.loops[0]])
+
+    def world(self, piece: Piece, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
+        """Panel points placed round the body, feet on the floor [cm]."""
+        return points @ piece.rotation[:, :2].T + piece.translation
+
+    def own_centre(self, piece: Piece) -> Float[np.ndarray, " 2"]:
+        """Centre of area in the panel's own frame."""
+        key = tuple(piece.loops[0])
+        if key not in self._own_centres:
+            self._own_centres[key] = centroid(self.polygon(piece))
+        return self._own_centres[key]
+
+    def centre(self, piece: Piece) -> Float[np.ndarray, " 3"]:
+        """World position of the centre of area."""
+        return self.world(piece, self.own_centre(piece)[None])[0]
+
+    def owner(self, edge: int) -> tuple[Piece, list[int]]:
+        """The piece and the loop that an edge belongs to."""
+        return next((p, loop) for p in self.pieces for loop in p.loops if edge in loop)
+
+    def split_edge(self, edge: int, share: float) -> int:
+        """Split an edge, and its partner with it, at a share of its length.
+
+        Returns:
+            Number of the second part, whose start is the new vertex; the first part, whose start
+            is an old one, keeps the number of the edge.
+        """
+        second = self._cut_curve(edge, share)
+        if edge in self.sewn:
+            other, crossed = self.sewn[edge]
+            parts = other, self._cut_curve(other, 1 - share if crossed else share)
+            for mine, theirs in zip((edge, second), parts[::-1] if crossed else parts):
+                self.sew(mine, theirs, crossed=crossed)
+        return second
+
+    def _cut_curve(self, edge: int, share: float) -> int:
+        _, loop = self.owner(edge)
+        second = next(self.numbers)
+        self.curves[edge], self.curves[second] = cut_polyline(self.curves[edge], share)
+        self.origin[second] = self.origin[edge]
+        loop.insert(loop.index(edge) + 1, second)
+        return second
+
+
+def _joined(ring: Sequence[Side], joints: Joints) -> Iterator[list[Side]]:
+    """The edges of a loop in parts that are one edge each."""
+    turn = next((k for k, side in enumerate(ring) if side not in joints.open), 0)
+    part: list[Side] = []
+    for side in (*ring[turn:], *ring[:turn]):
+        if part and side not in joints.open:
+            yield part
+            part = []
+        part.append(side)
+    yield part
+
+
+def cut_polyline(
+    points: Float[np.ndarray, "n 2"], share: float
+) -> tuple[Float[np.ndarray, "k 2"], Float[np.ndarray, "m 2"]]:
+    """The parts of an open polyline before and after a share (0..1) of its length."""
+    lengths = lengths_along(points)
+    shares = lengths / lengths[-1]
+    middle = resample(points, np.array([share]))
+    near = 1e-9
+    return (
+        np.concatenate([points[shares < share - near], middle]),
+        np.concatenate([middle, points[shares > share + near]]),
+    )
+
+
+def split_wrapping(cloth: Cloth, middle: float) -> None:
+    """Cut every wrapping panel along the plane z = `middle`, in place.
+
+    The halves keep a seam where they were cut. Larger panels are cut first: a panel that is
+    stitched to one that was cut finds its vertex already there.
+
+    Raises:
+        EncodeError: a cut would run through a hole.
+    """
+    wrapping = [p for p in cloth.pieces if _wraps(cloth, p, middle)]
+    wrapping.sort(key=lambda p: (-abs(signed_area(cloth.polygon(p))), p.translation[0]))
+    undecided = list(wrapping)
+    for piece in wrapping:
+        points = _crossings(cloth, piece, middle)
+        undecided_edges = {e for p in undecided for loop in p.loops for e in loop}
+        vertices = _choose_vertices(cloth, piece, points, undecided_edges)
+        undecided.remove(piece)
+        _halve(cloth, piece, vertices)
+
+
+def _depths(cloth: Cloth, piece: Piece, middle: float) -> np.ndarray:
+    return cloth.world(piece, cloth.polygon(piece))[:, 2] - middle
+
+
+def _wraps(cloth: Cloth, piece: Piece, middle: float) -> bool:
+    if abs(piece.rotation[2, 2]) >= SEEN_FROM_SIDE:
+        return False
+    depths = _depths(cloth, piece, middle)
+    extent = float(np.ptp(depths))
+    beyond = min(depths.max(), -depths.min()) / extent if extent > 0 else 0.0
+    if beyond > CLEAR_CROSSING:
+        return True
+    partners = [cloth.sewn[e][0] for e in piece.loops[0] if e in cloth.sewn]
+    owners = [cloth.owner(e)[0] for e in partners]
+    layers = {p.layer for p in owners if abs(p.rotation[2, 2]) >= SEEN_FROM_SIDE}
+    return beyond > NEIGHBOUR_CROSSING and len(layers) == 2
+
+
+def _crossings(cloth: Cloth, piece: Piece, middle: float) -> list[float]:
+    """The two places, in lengths along the outer loop, where it passes the middle plane.
+
+    Of more than two the pair farthest apart along the loop.
+    """
+    closed = np.concatenate([cloth.polygon(piece), cloth.curves[piece.loops[0][0]][:1]])
+    along = lengths_along(closed)
+    depth = cloth.world(piece, closed)[:, 2] - middle
+    (i,) = np.nonzero((depth[:-1] <= 0) != (depth[1:] <= 0))
+    places = along[i] + depth[i] / (depth[i] - depth[i + 1]) * (along[i + 1] - along[i])
+    pairs = list(itertools.combinations(places.tolist(), 2))
+    first, second = max(pairs, key=lambda p: _round_trip(p[0], p[1], along[-1]))
+    return [first, second]
+
+
+def _round_trip(a: float, b: float, perimeter: float) -> float:
+    """Distance of two places along a closed loop."""
+    return min(abs(a - b), perimeter - abs(a - b))
+
+
+def _choose_vertices(
+    cloth: Cloth, piece: Piece, places: list[float], undecided: set[int]
+) -> list[int]:
+    """The two edges before which to cut; a place far from any good one gets a new vertex.
+
+    Best is where the neighbours change from one layer to the other, halfway along the free
+    boundary between them if there is some; then any vertex nearby. Of those the first pair that
+    leaves two true halves is taken.
+    """
+    starts = _starts(cloth, piece)
+    changes = _layer_changes(cloth, piece, undecided)
+    ranked: list[list[float]] = []
+    for place in places:
+
+        def reach(at: float, place: float = place) -> float:
+            return _round_trip(at, place, starts[-1]) / starts[-1]
+
+        good = sorted((at for at in changes if reach(at) < PARTNER_REACH), key=reach)
+        near = sorted((at for at in starts[:-1] if reach(at) < VERTEX_REACH), key=reach)
+        ranked.append([*good, *near, place])
+    first, second = ranked
+    ranks = itertools.product(range(len(first)), range(len(second)))
+    pairs = [(first[m], second[n]) for m, n in sorted(ranks, key=sum)]
+    chosen = next((p for p in pairs if _balance(cloth, piece, *p) > LEAST_HALF), pairs[-1])
+    return [_vertex_at(cloth, piece, place) for place in chosen]
+
+
+def _layer_changes(cloth: Cloth, piece: Piece, undecided: set[int]) -> list[float]:
+    """Places on the outer loop where the stitched neighbours change from layer to layer.
+
+    Halfway along the free edges between such neighbours; edges sewn to panels that are not yet
+    cut separate nothing.
+    """
+    loop, starts = piece.loops[0], _starts(cloth, piece)
+    count, perimeter = len(loop), starts[-1]
+    layers = [_partner_layer(cloth, e, undecided) for e in loop]
+    changes = []
+    for k in range(count):
+        if layers[k] is None:
+            continue
+        run = 1
+        while run < count and loop[(k + run) % count] not in cloth.sewn:
+            run += 1
+        if {layers[k], layers[(k + run) % count]} == {0, 1}:
+            first = starts[k + 1]
+            last = starts[(k + run) % count] + (perimeter if k + run >= count else 0.0)
+            changes.append(float((first + last) / 2 % perimeter))
+    return changes
+
+
+def _starts(cloth: Cloth, piece: Piece) -> np.ndarray:
+    """Length along the outer loop at which each edge starts, and the whole length."""
+    lengths = [polyline_length(cloth.curves[e]) for e in piece.loops[0]]
+    return np.concatenate([[0.0], np.cumsum(lengths)])
+
+
+def _balance(cloth: Cloth, piece: Piece, a: float, b: float) -> float:
+    """Share of the area on the smaller side of the line between two places on the outer loop."""
+    polygon = cloth.polygon(piece)
+    closed = np.concatenate([polygon, polygon[:1]])
+    along = lengths_along(closed)
+    a, b = sorted((a, b))
+    ends = resample(closed, np.array([a, b]) / along[-1])
+    between = polygon[(along[:-1] > a) & (along[:-1] < b)]
+    share = signed_area(np.concatenate([ends[:1], between, ends[1:]])) / signed_area(polygon)
+    return min(share, 1 - share)
+
+
+def _vertex_at(cloth: Cloth, piece: Piece, place: float) -> int:
+    """The edge that starts at a place on the outer loop, split off there if need be."""
+    starts = _starts(cloth, piece)
+    here = np.abs(starts[:-1] - place) < 1e-6
+    if here.any():
+        return piece.loops[0][int(here.argmax())]
+    k = int(np.searchsorted(starts, place, side="right")) - 1
+    share = (place - starts[k]) / (starts[k + 1] - starts[k])
+    return cloth.split_edge(piece.loops[0][k], share)
+
+
+def _partner_layer(cloth: Cloth, edge: int, undecided: set[int]) -> int | None:
+    if edge not in cloth.sewn or cloth.sewn[edge][0] in undecided:
+        return None
+    return cloth.owner(cloth.sewn[edge][0])[0].layer
+
+
+def _halve(cloth: Cloth, piece: Piece, vertices: list[int]) -> None:
+    """Replace a piece by the two parts between the starts of two of its edges."""
+    loop = piece.loops[0]
+    i, j = sorted(loop.index(e) for e in vertices)
+    parts = [loop[i:j], loop[j:] + loop[:i]]
+    cut = next(cloth.numbers), next(cloth.numbers)
+    halves = []
+    for number, part in zip(cut, parts):
+        ends = cloth.curves[part[-1]][-1], cloth.curves[part[0]][0]
+        cloth.curves[number] = np.stack(ends)
+        halves.append(replace(piece, loops=[[*part, number]], half=True))
+    cloth.sew(*cut, crossed=True)
+    cloth.cuts |= set(cut)
+    for hole in piece.loops[1:]:
+        _half_with_hole(cloth, piece, halves, hole).loops.append(hole)
+    halves.sort(key=lambda h: -cloth.centre(h)[2])
+    at = next(k for k, p in enumerate(cloth.pieces) if p is piece)
+    taken = {p.name for p in cloth.pieces}
+    for layer, half in enumerate(halves):
+        half.layer = layer
+        half.name = f"{piece.name}:{SUFFIXES[layer]}"
+        while half.name in taken:
+            half.name += "'"
+    cloth.pieces[at : at + 1] = halves
+
+
+def _half_with_hole(cloth: Cloth, piece: Piece, halves: list[Piece], hole: list[int]) -> Piece:
+    import shapely
+
+    inner = shapely.Polygon(np.concatenate([cloth.curves[e][:-1] for e in hole]))
+    for half in halves:
+        if shapely.Polygon(cloth.polygon(half)).contains(inner):
+            return half
+    raise EncodeError(
+        f"panel {piece.name!r} wraps round the body and a hole lies across the line where it "
+        "must be split in a front and a back half; split the panel there in the pattern",
+        remedy="pattern",
+    )

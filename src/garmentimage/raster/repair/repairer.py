@@ -1,0 +1,187 @@
+"""Repair of images that networks give: the least-cost consistent labelling, then whole seams.
+
+Costs are negative log probabilities [nats]. A correct, certain image has cost 0 and every change
+of it would cost more than any rule may spend, so it is never changed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from garmentimage.errors import ImageError
+from garmentimage.raster.channel_kind import ChannelKind, is_plain
+from garmentimage.raster.image import (
+    BOTTOM,
+    LEFT,
+    EdgeType,
+    GarmentImage,
+    known_kind,
+    split_channels,
+)
+from garmentimage.raster.repair.labelling import (
+    Beliefs,
+    certain,
+    read_beliefs,
+    relabel,
+    with_neighbours,
+)
+from garmentimage.raster.repair.walls import (
+    drop_lone_cells,
+    mend_paper_cases,
+    merge_thin_regions,
+    whole_seams,
+)
+
+RepairLevel = Literal["full", "paper", "none"]
+LEVELS: tuple[RepairLevel, ...] = ("full", "paper", "none")
+
+CELL_SIZE_LIMITS = (0.2, 5.0)
+"""A cell that was not meant to be inside keeps its own vectors if they are this many times the
+grid's own cell, else it takes those of its neighbours."""
+
+_NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
+
+
+@dataclass(frozen=True)
+class RepairReport:
+    """What a repair changed."""
+
+    level: RepairLevel
+    counts: Mapping[str, int] = field(default_factory=dict)
+    """By rule: how many cells, grid edges, seams or regions it changed, if any."""
+    kind: ChannelKind | None = None
+    """What the numbers of an array were read as; None of a GarmentImage."""
+    is_guess: bool = False
+    """Whether the kind was guessed: nobody said it, and the numbers are not all 0 or 1."""
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything was."""
+        return any(self.counts.values())
+
+
+def repair(
+    image: GarmentImage | np.ndarray,
+    level: RepairLevel = "full",
+    *,
+    kind: ChannelKind | None = None,
+) -> tuple[GarmentImage, RepairReport]:
+    """Make an image consistent.
+
+    Args:
+        image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
+        level: how much is mended.
+        kind: what the numbers of the channels are: `shares` (probabilities); `logits`; `channels`,
+            decided at .5 and by the largest of four, and sure then, as those of a GarmentImage.
+            Default: judged by all numbers of flags and types together; the report says so. Of a
+            GarmentImage it says nothing.
+
+    Levels:
+        none: the likeliest value of everything, consistent or not.
+        paper: then the paper's two cases: a `NON_STITCH` grid edge between two `FRONT_TO_BACK` ones
+            becomes `FRONT_TO_BACK` (where the other layer says so: read literally, the rule
+            changes correct images); a `NON_BOUNDARY` one between two tips of `SIDE_BY_SIDE` walls
+            becomes `SIDE_BY_SIDE` (unless they are the tips of two darts).
+        full: the least-cost labelling in which every grid edge agrees with its cells (a boundary
+            between inside and outside; `NON_BOUNDARY` outside; `SIDE_BY_SIDE` between two inside
+            cells; `FRONT_TO_BACK` on both layers or neither), found by local search; then seams
+            are made whole or dropped, small regions merged, uncertain bands made one seam, and
+            the paper's cases mended.
+
+    A correct image comes back unchanged.
+
+    Raises:
+        ImageError: the array has a wrong shape, or values that are not finite; there is no such
+            level or kind.
+    """
+    if level not in LEVELS:
+        raise ImageError(f"no repair level {level!r}; there are {', '.join(LEVELS)}")
+    if isinstance(image, GarmentImage):
+        report = RepairReport(level)
+        mended, counts = _repaired(image, level, None)
+    else:
+        flags, types, _ = split_channels(image)
+        known = known_kind(flags, types, kind)
+        report = RepairReport(level, {}, known, kind is None and not is_plain(flags, types))
+        given = GarmentImage.from_channels(image, kind=known)
+        mended, counts = _repaired(given, level, read_beliefs(image, known))
+    return mended, replace(report, counts={rule: n for rule, n in counts.items() if n})
+
+
+def _repaired(
+    given: GarmentImage, level: RepairLevel, beliefs: Beliefs | None
+) -> tuple[GarmentImage, dict[str, int]]:
+    """The image, and how much each rule changed; without beliefs all of `given` is believed."""
+    if level == "none":
+        return given, {}
+    if level == "full":
+        return _repaired_fully(given, beliefs or certain(given))
+    types, counts = mend_paper_cases(given)
+    return (replace(given, edge_type=types) if any(counts.values()) else given), counts
+
+
+def _repaired_fully(given: GarmentImage, costs: Beliefs) -> tuple[GarmentImage, dict[str, int]]:
+    flag_cost = np.ascontiguousarray(costs.inside, float)
+    type_cost = with_neighbours(costs.types, given.edge_type)
+    inside, types = relabel(given.inside, flag_cost, type_cost)
+    counts = {
+        "inconsistent flags": int((inside != given.inside).sum()),
+        "inconsistent edge types": int((types != given.edge_type).sum()),
+    }
+    counts["seams and slits made whole or dropped"] = whole_seams(inside, types, type_cost)
+    counts["thin regions merged"] = merge_thin_regions(inside, types, costs.types, type_cost)
+    counts["lone cells dropped"] = drop_lone_cells(inside, types, flag_cost)
+    # What was merged may leave a slit behind.
+    counts["seams and slits made whole or dropped"] += whole_seams(inside, types, type_cost)
+    inside, types = relabel(inside, flag_cost, type_cost)
+    mended = replace(given, inside=inside, edge_type=types)
+    types, paper = mend_paper_cases(mended)
+    counts |= paper
+    deformation, filled = _fill_deformation(given, costs.deformation, inside, types)
+    counts["deformations filled in"] = filled
+    if not any(counts.values()):
+        return given, counts
+    return replace(given, inside=inside, edge_type=types, deformation=deformation), counts
+
+
+def _fill_deformation(
+    given: GarmentImage, deformation: np.ndarray, inside: np.ndarray, types: np.ndarray
+) -> tuple[np.ndarray, int]:
+    """Vectors for cells that have none, from their neighbours, else from the grid; none outside.
+
+    Returns:
+        float32 [layer, 4, 2, row, col], and how many cells were filled in.
+    """
+    vectors = np.where(inside[:, None, None], deformation, 0.0)
+    columns, rows = np.diff(given.frame.columns), np.diff(given.frame.rows)
+    rest = np.zeros(vectors.shape[1:])
+    rest[[0, 2], 0], rest[[1, 3], 1] = columns[None, :], rows[:, None]
+    size = np.abs(vectors).sum(axis=(1, 2)) / np.abs(rest).sum(axis=(0, 1))
+    low, high = CELL_SIZE_LIMITS
+    new = inside & ~given.inside & ((size < low) | (size > high))
+    missing = new | (inside & (size == 0))
+    count = int(missing.sum())
+    while missing.any():
+        known = inside & ~missing
+        total, number = np.zeros_like(vectors), np.zeros(inside.shape)
+        for axis, h in ((1, BOTTOM), (2, LEFT)):
+            joined = types[:, h] == _NON_BOUNDARY
+            for step in (1, -1):
+                source = np.roll(known, step, axis) & (
+                    joined if step == 1 else np.roll(joined, -1, axis)
+                )
+                edge: list[slice | int] = [slice(None)] * 3
+                edge[axis] = 0 if step == 1 else -1
+                source[tuple(edge)] = False
+                number += source
+                total += source[:, None, None] * np.roll(vectors, step, axis + 2)
+        ready = missing & (number > 0)
+        if not ready.any():
+            vectors = np.where(missing[:, None, None], rest, vectors)
+            break
+        mean = total / np.maximum(number, 1)[:, None, None]
+        vectors = np.where(ready[:, None, None], mean, vectors)
+        missing &= ~ready
+    return vectors.astype(np.float32), count

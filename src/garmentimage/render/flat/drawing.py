@@ -1,0 +1,382 @@
+"""A pattern as a flat drawing: panels, seams in matching colours and numbers, grain, scale.
+
+A seam is a run of stitches that follow each other on both sides; it gets one colour and one number.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.geometry import centroid
+from garmentimage.pattern import Pattern, Side, sewn_runs
+from garmentimage.render.flat.arrangement import Arrangement, PlacedPanel, arrange, bounds
+from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.path import Path
+
+CURVE_CHORDS = 24
+"""Chords that draw one curved edge."""
+SCALE_BAR_CM = 20.0
+LETTERING = 6.0
+"""Size of names and numbers [points]; names shrink to fit their panel ..."""
+SMALLEST_LETTERING = 3.0
+"""... down to this size."""
+NUMBER_SPACE = 1.3
+"""A number's middle keeps this many sizes of the lettering away from a name."""
+_LETTER_WIDTH = 0.62
+"""Mean width of a letter, in sizes of the lettering."""
+GRAIN_SHARE = 0.14
+"""Half of a grain arrow, as a share of the panel along the grain; it shrinks to find room ..."""
+GRAIN_SIZES = (1.0, 0.7, 0.5, 0.35)
+"""... to these shares of it."""
+GRAIN_SPACES = (1.8, 0.4)
+"""An arrow keeps this many sizes of the lettering away from the panel's edges: where there is room
+so many that it clears the numbers beside them."""
+GRAIN_SPOTS = 25
+"""Places for an arrow that are tried along each side of the panel's box."""
+NUMBER_LIMIT = 60
+"""With more seams than this the numbers would hide the drawing and are left out."""
+NAME_LIMIT = 40
+"""With more panels than this the names are left out."""
+
+
+def drawn_size(pattern: Pattern, *, arrangement: Arrangement = "worn") -> tuple[float, float]:
+    """Width and height that the panels take in `draw_pattern` [cm]."""
+    low, high = bounds(arrange(pattern, arrangement))
+    return float(high[0] - low[0]), float(high[1] - low[1])
+
+
+def draw_pattern(
+    pattern: Pattern,
+    ax: "Axes",
+    *,
+    arrangement: Arrangement = "worn",
+    room: tuple[float, float] = (0.0, 0.0),
+) -> None:
+    """Draw all panels of a pattern on matplotlib axes, 1 unit = 1 cm.
+
+    Args:
+        pattern: what to draw.
+        ax: where; its limits, aspect and frame are set.
+        arrangement: "worn" draws front and back, each panel about where it hangs;
+            "table" packs the panels in rows, in their own frames.
+        room: least width and height [cm]; given the largest `drawn_size` of several patterns, all
+            are drawn at one scale.
+    """
+    placed = arrange(pattern, arrangement)
+    low, high = bounds(placed)
+    spare = np.maximum(np.array(room) - (high - low), 0.0) / 2
+    size = float((high - low + 2 * spare).max())
+    pad = 0.03 * size
+    ax.set_xlim(low[0] - spare[0] - pad, high[0] + spare[0] + pad)
+    ax.set_ylim(low[1] - spare[1] - 3.5 * pad, high[1] + spare[1] + 2.5 * pad)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    letter = LETTERING * _cm_per_point(ax)
+    seams = seam_numbers(pattern)
+    _draw_cloth(placed, ax)
+    _draw_edges(placed, seams, ax)
+    for p in placed:
+        if p.panel.grain is not None:
+            _draw_grain(p, letter, ax, named=len(placed) <= NAME_LIMIT)
+        if len(placed) <= NAME_LIMIT:
+            _draw_name(p, letter, ax)
+        if max(seams.values(), default=0) <= NUMBER_LIMIT:
+            _draw_numbers(p, seams, letter, ax, named=len(placed) <= NAME_LIMIT)
+    if len({p.back for p in placed}) == 2:
+        _draw_titles(placed, pad, ax)
+    _draw_scale_bar(low, size, ax)
+
+
+def _cm_per_point(ax: "Axes") -> float:
+    """What one point of lettering measures in the drawing [cm]; needs the limits of the axes."""
+    box = ax.get_window_extent()
+    points = 72 / ax.figure.dpi
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+    return max((x1 - x0) / (box.width * points), (y1 - y0) / (box.height * points))
+
+
+def seam_numbers(pattern: Pattern) -> dict[Side, int]:
+    """A number from 1 up for every sewn side, the same for both sides of a seam.
+
+    Stitches whose sides follow each other on both panels count as one seam. Numbers go by the
+    names of the panels, then from the wearer's right to the left and upwards; they do not depend
+    on the order of panels or stitches, so two versions of a pattern are easily compared.
+    """
+    runs = sewn_runs(pattern)
+
+    def place(k: int) -> tuple[list[str], list[float], int]:
+        sides = runs[k].sides + runs[runs[k].partner].sides
+        points = [
+            pattern.by_name[side.panel].to_world(pattern.curve(side).sample(2)[1:2])[0]
+            for side in sides
+        ]
+        return sorted({side.panel for side in sides}), np.mean(points, axis=0).round(3).tolist(), k
+
+    seams = sorted((k for k, run in enumerate(runs) if k <= run.partner), key=place)
+    number = {k: n for n, k in enumerate(seams, start=1)}
+    return {side: number[min(k, run.partner)] for k, run in enumerate(runs) for side in run.sides}
+
+
+def seam_colour(number: int) -> str:
+    """Colour of a seam by its number."""
+    return SEAM_COLOURS[(number - 1) % len(SEAM_COLOURS)]
+
+
+def _lines(placed: PlacedPanel) -> list[Float[np.ndarray, "n 2"]]:
+    """Every edge of the panel as a polyline in the picture, numbered as `Panel.edges`."""
+    return [
+        placed.place(curve.sample(1 if curve.is_straight else CURVE_CHORDS))
+        for curve in placed.panel.curves
+    ]
+
+
+def _draw_cloth(placed: tuple[PlacedPanel, ...], ax: "Axes") -> None:
+    from matplotlib.collections import PathCollection
+
+    # One collection for all panels: thousands of patches would take a minute.
+    ax.add_collection(
+        PathCollection(
+            [_cloth_path(p) for p in placed],
+            facecolors=[LAYER_TINTS[int(p.back)] for p in placed],
+            edgecolors="none",
+            zorder=1,
+        )
+    )
+
+
+def _cloth_path(placed: PlacedPanel) -> "Path":
+    """Outline and holes; holes show the paper because they run against the outline."""
+    from matplotlib.path import Path
+
+    outline, *holes = placed.panel.loops
+    loops = [outline.polygon] + [
+        hole.polygon if hole.area * outline.area < 0 else hole.polygon[::-1] for hole in holes
+    ]
+    closed = [Path(placed.place(_closed(points)), closed=True) for points in loops]
+    return Path.make_compound_path(*closed)
+
+
+def _closed(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
+    return np.concatenate([polygon, polygon[:1]])
+
+
+def _draw_edges(placed: tuple[PlacedPanel, ...], seams: dict[Side, int], ax: "Axes") -> None:
+    from matplotlib.collections import LineCollection
+
+    lines = [line for p in placed for line in _lines(p)]
+    numbers = [seams.get(Side(p.panel.name, k)) for p in placed for k in range(len(p.panel.edges))]
+    ax.add_collection(
+        LineCollection(
+            lines,
+            colors=[INK if n is None else seam_colour(n) for n in numbers],
+            linewidths=[0.9 if n is None else 1.7 for n in numbers],
+            capstyle="round",
+            zorder=2,
+        )
+    )
+
+
+def _draw_numbers(
+    placed: PlacedPanel, seams: dict[Side, int], letter: float, ax: "Axes", *, named: bool
+) -> None:
+    """One number a seam, beside the middle of its longest edge; outside where cloth is narrow.
+
+    A number that would touch the panel's name stands outside, too.
+    """
+    longest: dict[int, tuple[float, int]] = {}
+    lines = _lines(placed)
+    for k, curve in enumerate(placed.panel.curves):
+        number = seams.get(Side(placed.panel.name, k))
+        if number is not None and curve.length > longest.get(number, (0.0, 0))[0]:
+            longest[number] = (curve.length, k)
+    low, high = bounds([placed])
+    inset = letter if (high - low).min() > 5 * letter else -letter
+    name = _lettering(placed, letter)
+    # A dart has one number for two legs: the longer leg wears it.
+    for number, (_, k) in sorted(longest.items()):
+        x, y = _beside_edge(placed, lines[k], inset)
+        if named and name.touches(x, y, NUMBER_SPACE * letter):
+            x, y = _beside_edge(placed, lines[k], -abs(inset))
+        ax.text(
+            x,
+            y,
+            str(number),
+            color=seam_colour(number),
+            fontsize=LETTERING,
+            fontweight="bold",
+            ha="center",
+            va="center",
+            zorder=4,
+        )
+
+
+def _beside_edge(
+    placed: PlacedPanel, line: Float[np.ndarray, "n 2"], inset: float
+) -> Float[np.ndarray, " 2"]:
+    """A point `inset` cm inside the panel, beside the middle of one of its edges."""
+    k = (len(line) - 1) // 2
+    middle, along = (line[k] + line[k + 1]) / 2, line[k + 1] - line[k]
+    normal = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-12)
+    inward = np.sign(placed.panel.outline.area) * np.sign(np.linalg.det(placed.matrix))
+    return middle + inset * inward * normal
+
+
+def _draw_grain(placed: PlacedPanel, letter: float, ax: "Axes", *, named: bool) -> None:
+    ends = _grain_arrow(placed, letter, named=named)
+    if ends is not None:
+        ax.annotate(
+            "",
+            ends[1],
+            ends[0],
+            arrowprops={"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6},
+            zorder=3,
+        )
+
+
+def _grain_arrow(
+    placed: PlacedPanel, letter: float, *, named: bool
+) -> Float[np.ndarray, "2 2"] | None:
+    """Ends of the longest arrow along the grain that lies on cloth and clear of the panel's name.
+
+    Of arrows as long, the one nearest above the name; None where not even a short one has room.
+    """
+    import shapely
+
+    assert placed.panel.grain is not None
+    along = placed.matrix @ np.array(placed.panel.grain)
+    upwards = along if along[1] >= 0 else -along
+    outline, *holes = (placed.place(loop.polygon) for loop in placed.panel.loops)
+    cloth = shapely.Polygon(outline, holes).buffer(0)
+    name = _lettering(placed, letter)
+    turn = np.deg2rad(name.angle)
+    half_name = name.length / 2 * np.array([np.cos(turn), np.sin(turn)])
+    line = shapely.LineString([name.middle - half_name, name.middle + half_name])
+    lettering = line.buffer(letter) if named else shapely.Polygon()
+    low, high = bounds([placed])
+    axes = [np.linspace(a, b, GRAIN_SPOTS) for a, b in zip(low, high)]
+    spots = np.stack(np.meshgrid(*axes), axis=2).reshape(-1, 2)
+    longest = GRAIN_SHARE * float(np.ptp(outline @ along))
+    for space in GRAIN_SPACES:
+        room = cloth.buffer(-space * letter).difference(lettering)
+        for half in longest * np.array(GRAIN_SIZES):
+            above = name.middle + (half + letter) * upwards
+            ends = np.stack([spots - half * along, spots + half * along], axis=1)
+            free = ends[shapely.contains(room, shapely.linestrings(ends))]
+            if len(free):
+                return free[np.argmin(np.hypot(*(free.mean(axis=1) - above).T))]
+    return None
+
+
+def _inner_point(placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
+    """The centroid where it lies on cloth, else some point that does."""
+    from shapely import Point, Polygon
+
+    panel = placed.panel
+    shape = Polygon(panel.outline.polygon, [h.polygon for h in panel.holes])
+    centre = centroid(panel.outline.polygon)
+    if not shape.is_valid or not shape.contains(Point(*centre)):
+        inner = shape.buffer(0).representative_point()
+        centre = centre if inner.is_empty else np.array([inner.x, inner.y])
+    return placed.place(centre[None])[0]
+
+
+@dataclass(frozen=True)
+class _Lettering:
+    """Where a panel's name stands in the picture."""
+
+    text: str
+    middle: Float[np.ndarray, " 2"]
+    angle: float
+    """Counter-clockwise [degrees]."""
+    length: float
+    """[cm]"""
+    share: float
+    """Size of the letters, in full sizes."""
+
+    def touches(self, x: float, y: float, space: float) -> bool:
+        """Whether a point lies on the line of letters or nearer to it than `space` [cm]."""
+        c, s = np.cos(np.deg2rad(self.angle)), np.sin(np.deg2rad(self.angle))
+        away = np.array([x, y]) - self.middle
+        along, across = abs(c * away[0] + s * away[1]), abs(c * away[1] - s * away[0])
+        return bool(along < self.length / 2 + space and across < space)
+
+
+def _lettering(placed: PlacedPanel, letter: float) -> _Lettering:
+    """The name across the panel, or along it where it is too narrow."""
+    name = printable(placed.panel.name)
+    low, high = bounds([placed])
+    needed = _LETTER_WIDTH * letter * max(len(name), 1)
+    room, angle = 0.8 * float(high[0] - low[0]), 0.0
+    if needed > room:
+        length, angle = _long_axis(placed)
+        room = 0.8 * length
+    share = max(min(1.0, room / needed), SMALLEST_LETTERING / LETTERING)
+    return _Lettering(name, _inner_point(placed), angle, needed * share, share)
+
+
+def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
+    name = _lettering(placed, letter)
+    ax.text(
+        name.middle[0],
+        name.middle[1],
+        name.text,
+        color=INK,
+        fontsize=LETTERING * name.share,
+        ha="center",
+        va="center",
+        rotation=name.angle,
+        rotation_mode="anchor",
+        parse_math=False,
+        zorder=5,
+    )
+
+
+def _long_axis(placed: PlacedPanel) -> tuple[float, float]:
+    """Length [cm] and angle [degrees, -90 to 90] of the longer side of the narrowest box."""
+    from shapely import MultiPoint
+
+    box = MultiPoint(placed.polygon).minimum_rotated_rectangle
+    if box.geom_type != "Polygon":
+        return 0.0, 0.0
+    corners = np.array(box.exterior.coords)
+    sides = corners[1:3] - corners[:2]
+    side = sides[int(np.argmax(np.hypot(*sides.T)))]
+    angle = float(np.rad2deg(np.arctan2(side[1], side[0])))
+    return float(np.hypot(*side)), (angle + 90) % 180 - 90
+
+
+def _draw_titles(placed: tuple[PlacedPanel, ...], pad: float, ax: "Axes") -> None:
+    """Name the front and the back group above their panels, where the groups stand apart."""
+    front, back = (bounds([p for p in placed if p.back == side]) for side in (False, True))
+    beside, below = back[0, 0] > front[1, 0], back[1, 1] < front[0, 1]
+    if not (beside or below):
+        return
+    for title, box in (("front", front), ("back", back)):
+        top = max(front[1, 1], back[1, 1]) if beside else box[1, 1]
+        ax.text(box[:, 0].mean(), top + pad, title, color=FAINT, fontsize=7, ha="center")
+
+
+def _draw_scale_bar(low: np.ndarray, size: float, ax: "Axes") -> None:
+    x, y = float(low[0]), float(low[1]) - 0.07 * size
+    tick = 0.012 * size
+    ends = ([x, x, x, x + SCALE_BAR_CM, x + SCALE_BAR_CM, x + SCALE_BAR_CM],)
+    ax.plot(
+        *ends,
+        [y - tick, y + tick, y, y, y + tick, y - tick],
+        color=FAINT,
+        linewidth=0.8,
+        solid_capstyle="butt",
+    )
+    ax.text(
+        x + SCALE_BAR_CM + 0.01 * size,
+        y,
+        f"{SCALE_BAR_CM:.0f} cm",
+        color=FAINT,
+        fontsize=6,
+        va="center",
+    )

@@ -1,0 +1,198 @@
+"""A GarmentImage as in the paper's figures: flags, edge types, deformed cells (Figure 2c)."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.raster import BOTTOM, LEFT, EdgeType, GarmentImage
+from garmentimage.render.style import (
+    FAINT,
+    GRID_LINE,
+    INK,
+    PAPER,
+    TYPE_COLOURS,
+    TYPE_NAMES,
+    layer_tint,
+    printable,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LAYER_GAP = 0.09
+"""Space between two layers, in grids."""
+TITLE_SHARE, LEGEND_SHARE, CAPTION_SHARE, EDGE_SHARE = 0.09, 0.19, 0.08, 0.02
+"""Room above, for the legend below, for a caption below, and below without either, in grids."""
+TYPES_HEIGHT = 1 + TITLE_SHARE + LEGEND_SHARE
+CELLS_HEIGHT = 1 + TITLE_SHARE + CAPTION_SHARE
+"""Heights of the drawings of `draw_image` and `draw_cells`, in grids."""
+LEGEND_NOTE = "Colour is the type of a grid edge here; in patterns, with a number, it is the seam."
+CELLS_CAPTION = (
+    "Deformation: each cell's cloth, all in one scale. On the body, grid cells are unequal."
+)
+QUAD_SHARE = 0.8
+"""How much of its cell a deformed quadrilateral of middling size fills."""
+_SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+_STEP = {BOTTOM: np.array([1, 0]), LEFT: np.array([0, 1])}
+
+
+def draw_image(image: GarmentImage, ax: "Axes", *, legend: bool = True) -> None:
+    """Draw flags (tinted cells) and edge types (coloured grid edges), all layers side by side.
+
+    Args:
+        image: what to draw.
+        ax: where; its limits, aspect and frame are set; one unit is one cell.
+        legend: name the colours of the edge types below the grid.
+    """
+    for layer in range(image.layers):
+        _draw_board(image, layer, ax)
+        _draw_flags(image, layer, ax)
+        _draw_types(image, layer, ax)
+    if legend:
+        _draw_legend(image, ax)
+    _frame(image, ax, below=LEGEND_SHARE if legend else EDGE_SHARE)
+
+
+def draw_cells(image: GarmentImage, ax: "Axes") -> None:
+    """Draw the deformation: in every cell the quadrilateral that its four edge vectors make.
+
+    One scale serves the whole image, so a large quadrilateral is a large piece of cloth; a caption
+    below says so.
+    """
+    from matplotlib.collections import PolyCollection
+
+    quads = {k: _quads(image, k) for k in range(image.layers)}
+    sizes = np.concatenate([_extent(q) for q in quads.values()])
+    scale = QUAD_SHARE / float(np.median(sizes)) if len(sizes) else 1.0
+    for layer, shapes in quads.items():
+        _draw_board(image, layer, ax)
+        rows, cols = np.nonzero(image.inside[layer])
+        middle = np.stack([cols + 0.5, rows + 0.5], axis=1) + _origin(image, layer)
+        ax.add_collection(
+            PolyCollection(
+                list(shapes * scale + middle[:, None]),
+                facecolors=layer_tint(layer),
+                edgecolors=INK,
+                linewidths=0.5 * _stroke(image),
+                zorder=2,
+            )
+        )
+    _write_below(image, ax, 0.05, CELLS_CAPTION)
+    _frame(image, ax, below=CAPTION_SHARE)
+
+
+def _quads(image: GarmentImage, layer: int) -> Float[np.ndarray, "cell 4 2"]:
+    """Corners of each inside cell's quadrilateral about its centre [cm], in raster order.
+
+    Where the four vectors do not close, the misfit is shared between the two ways to the corner
+    opposite the origin.
+    """
+    rows, cols = np.nonzero(image.inside[layer])
+    bottom, right, top, left = np.moveaxis(
+        image.deformation[layer][:, :, rows, cols].astype(float), 2, 1
+    )
+    corners = np.stack([np.zeros_like(bottom), bottom, (bottom + right + left + top) / 2, left], 1)
+    return corners - corners.mean(axis=1, keepdims=True)
+
+
+def _extent(quads: Float[np.ndarray, "cell 4 2"]) -> Float[np.ndarray, " cell"]:
+    return np.maximum(np.ptp(quads, axis=1).max(axis=1), 1e-6)
+
+
+def _origin(image: GarmentImage, layer: int) -> Float[np.ndarray, " 2"]:
+    return np.array([layer * image.grid * (1 + LAYER_GAP), 0.0])
+
+
+def _stroke(image: GarmentImage) -> float:
+    """Line widths shrink on finer grids."""
+    return min(1.0, 16 / image.grid) ** 0.5
+
+
+def _draw_board(image: GarmentImage, layer: int, ax: "Axes") -> None:
+    from matplotlib.collections import LineCollection
+
+    n = image.grid
+    x, y = _origin(image, layer)
+    lines = [[(x + k, y), (x + k, y + n)] for k in range(n + 1)]
+    lines += [[(x, y + k), (x + n, y + k)] for k in range(n + 1)]
+    width = 0.6 * _stroke(image)
+    ax.add_collection(LineCollection(lines, colors=GRID_LINE, linewidths=width, zorder=0))
+    ax.text(
+        x + n / 2,
+        y + n * 1.015,
+        printable(image.layer_names[layer]),
+        color=FAINT,
+        fontsize=7,
+        ha="center",
+        va="bottom",
+        parse_math=False,
+    )
+
+
+def _draw_flags(image: GarmentImage, layer: int, ax: "Axes") -> None:
+    from matplotlib.collections import PolyCollection
+
+    rows, cols = np.nonzero(image.inside[layer])
+    corner = np.stack([cols, rows], axis=1) + _origin(image, layer)
+    ax.add_collection(
+        PolyCollection(
+            list(corner[:, None] + _SQUARE),
+            facecolors=layer_tint(layer),
+            edgecolors=PAPER,
+            linewidths=0.5 * _stroke(image),
+            zorder=1,
+        )
+    )
+
+
+def _draw_types(image: GarmentImage, layer: int, ax: "Axes") -> None:
+    from matplotlib.collections import LineCollection
+
+    for edge_type, colour in TYPE_COLOURS.items():
+        lines = []
+        for side in (BOTTOM, LEFT):
+            rows, cols = np.nonzero(image.edge_type[layer, side] == edge_type)
+            start = np.stack([cols, rows], axis=1) + _origin(image, layer)
+            lines += [(a, a + _STEP[side]) for a in start]
+        sewn = edge_type != EdgeType.NON_STITCH
+        ax.add_collection(
+            LineCollection(
+                lines,
+                colors=colour,
+                linewidths=(2.3 if sewn else 1.5) * _stroke(image),
+                capstyle="round",
+                zorder=3 if sewn else 2.5,
+            )
+        )
+
+
+def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
+    width = float(_origin(image, image.layers - 1)[0]) + image.grid
+    y = -0.07 * image.grid
+    for k, (edge_type, colour) in enumerate(TYPE_COLOURS.items()):
+        x = width / 2 + (k - 1) * image.grid * 0.62 - 0.26 * image.grid
+        ax.plot([x, x + 0.07 * image.grid], [y, y], color=colour, linewidth=2.3)
+        ax.text(
+            x + 0.1 * image.grid,
+            y,
+            TYPE_NAMES[edge_type],
+            color=INK,
+            fontsize=6.5,
+            va="center",
+        )
+    _write_below(image, ax, 0.14, LEGEND_NOTE)
+
+
+def _write_below(image: GarmentImage, ax: "Axes", depth: float, text: str) -> None:
+    """A line of small print in the middle below the grids, `depth` grids down."""
+    middle = (float(_origin(image, image.layers - 1)[0]) + image.grid) / 2
+    ax.text(middle, -depth * image.grid, text, color=FAINT, fontsize=5.5, ha="center", va="center")
+
+
+def _frame(image: GarmentImage, ax: "Axes", below: float) -> None:
+    n = image.grid
+    ax.set_xlim(-EDGE_SHARE * n, float(_origin(image, image.layers - 1)[0]) + (1 + EDGE_SHARE) * n)
+    ax.set_ylim(-below * n, (1 + TITLE_SHARE) * n)
+    ax.set_aspect("equal")
+    ax.set_axis_off()

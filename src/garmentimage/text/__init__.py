@@ -1,1 +1,0 @@
-"""Editing garments by text: guidance by diffusion models, and what a latent vector becomes."""

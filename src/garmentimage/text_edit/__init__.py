@@ -1,0 +1,5 @@
+"""Editing garments by text: guidance by diffusion models, and what a latent vector becomes."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

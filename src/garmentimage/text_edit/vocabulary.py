@@ -1,0 +1,92 @@
+"""Which words of a text the networks know: those that garments were described by in training.
+
+Sentence encoders find something near to every text: "with pockets" is nearest to "with pants". So
+a text is looked at word by word.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import cache
+
+from garmentimage.dataset import every_phrase
+from garmentimage.errors import LearnError, quoted
+
+_WORD = re.compile(r"[^\W\d_]+")
+_ENDINGS = ("ening", "ened", "est", "ing", "en", "er", "ed", "es", "ly", "s", "e")
+_SHORTEST_STEM = 3
+_MOST_NAMED = 5
+_HELPER_WORDS = """
+a about above add all also an and ankle ankles are arms as at be below bit but by can change could
+cut do down end ends ever every extend extra fairly floor for from garment get give given go goes
+going great ground half have hem hers his how i if in instead into is it its just keep kind less
+let like little lot lower make makes making maybe me more most much must my need nice no not now
+of off on one only or out over part please put quite rather reach reaches reaching really remove
+replace shall should side size slightly so some something sort still style such take than that the
+their them then these they thing this those three to too turn two under up upper us very want
+wanted was way we wear well which will wish with without would wrist you your
+"""
+_HELPERS = frozenset(_HELPER_WORDS.split())
+"""Words that ask for nothing by themselves."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """The words of a text that ask for something, in their order."""
+
+    known: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+
+def words_of(text: str) -> Words:
+    """Which words of a text the networks know, and which they have never met.
+
+    Example:
+        >>> words_of("make it a longer dress with pockets")
+        Words(known=('longer', 'dress'), unknown=('pockets',))
+    """
+    known: dict[str, None] = {}
+    unknown: dict[str, None] = {}
+    for word in _WORD.findall(text.lower()):
+        if _stem(word) in _vocabulary():
+            known[word] = None
+        elif word not in _HELPERS:
+            unknown[word] = None
+    return Words(tuple(known), tuple(unknown))
+
+
+def check_known(text: str) -> None:
+    """Refuse a text of which the networks know no word: they would make something else of it.
+
+    Raises:
+        LearnError: names the words.
+    """
+    words = words_of(text)
+    if not words.known:
+        unknown = named(words.unknown) if words.unknown else quoted(text)
+        raise LearnError(
+            f"the networks do not know {unknown}; they know the kind of garment, sleeves, lengths, "
+            'widths, necklines and fit, in English: "pants", "long sleeves", "wide"'
+        )
+
+
+def named(words: tuple[str, ...]) -> str:
+    """The first few words, for a message."""
+    more = len(words) - _MOST_NAMED
+    shown = ", ".join(quoted(word) for word in words[:_MOST_NAMED])
+    return f"{shown} and {more} more" if more > 0 else shown
+
+
+@cache
+def _vocabulary() -> frozenset[str]:
+    """Stems of the words that say something of a garment."""
+    words = {word for phrase in every_phrase() for word in _WORD.findall(phrase.lower())}
+    return frozenset(_stem(word) for word in words - _HELPERS)
+
+
+def _stem(word: str) -> str:
+    """The word without the ending of a plural, a comparison or a verb: "slimmer" is "slim"."""
+    for ending in _ENDINGS:
+        if word.endswith(ending) and len(word) - len(ending) >= _SHORTEST_STEM:
+            word = word.removesuffix(ending)
+            return word[:-1] if word[-1] == word[-2] and ending != "e" else word
+    return word
