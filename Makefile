@@ -4,9 +4,9 @@
 # make check-kernels  compiled code on degenerate patterns, its array bounds checked: some minutes
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
 # make picture the pictures in the README
-# make explore networks of docs/explore.md, trained anew and measured: about 5 hours on two cores
-# make image   networks of docs/predict.md, likewise: about a day
-# make text    networks of docs/text.md, likewise; SHORT=yes: an hour and a half
+# make explore networks of docs/benchmarks/latent-space.md, trained anew and measured: about 5 hours on two cores
+# make image   networks of docs/benchmarks/prediction.md, likewise: about a day
+# make text    networks of docs/benchmarks/text-editing.md, likewise; SHORT=yes: an hour and a half
 # make bench   encode, decode, import and start, timed on one core
 
 OLDEST_TO_NEWEST := (3, 11) <= sys.version_info[:2] <= (3, 13)
@@ -46,20 +46,20 @@ corpus: $(VENV)/ready-dev
 
 picture: $(VENV)/ready
 	$(BIN)/garmentimage show --round-trip src/garmentimage/examples/dress.json \
-		-o docs/pattern-raster-pattern.png
-	$(BIN)/garmentimage gallery -o docs/gallery.png
-	$(BIN)/python scripts/draw_worn.py docs/worn.png
+		-o docs/images/pattern-raster-pattern.png
+	$(BIN)/garmentimage gallery -o docs/images/gallery.png
+	$(BIN)/python scripts/draw_worn.py docs/images/worn.png
 	mkdir -p out && for kind in one-panel-jumpsuit top-pants one-panel-dress; do \
 		$(BIN)/garmentimage draft $$kind -o out/$$kind.json; done
 	$(BIN)/garmentimage transfer out/one-panel-jumpsuit.json out/top-pants.json \
-		out/one-panel-dress.json -o out/edit && cp out/edit/strip.png docs/edit.png
+		out/one-panel-dress.json -o out/edit && cp out/edit/strip.png docs/images/edit.png
 	$(BIN)/garmentimage draft top-skirt --sleeves set-in --sleeve-length 0.6 --neckline v \
 		--skirt-flare 0.3 --skirt-length 0.6 -o out/worn.json
 	$(BIN)/garmentimage drape out/worn.json -o out/worn.glb
 	$(BIN)/garmentimage render out/worn.glb --size 512 --colour top=teal bottom=darkslateblue \
 		-o src/garmentimage/examples/worn.png
 	$(BIN)/garmentimage predict src/garmentimage/examples/worn.png -o out/picture && \
-		cp out/picture/worn.png docs/from-a-picture.png
+		cp out/picture/worn.png docs/images/from-a-picture.png
 
 explore: $(VENV)/ready-dev
 	set -e; for each in "topology 5000 40 60" "darts 5000 40 60" "variety 10000 24 30"; do \

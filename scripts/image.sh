@@ -1,5 +1,5 @@
 #!/bin/sh
-# Everything of docs/predict.md: data, networks, and what is measured. Each step goes on where it was
+# Everything of docs/benchmarks/prediction.md: data, networks, and what is measured. Each step goes on where it was
 # stopped; two recipes, or two seeds, may be run beside each other.
 #
 #     scripts/image.sh .venv/bin/garmentimage

@@ -2,7 +2,7 @@
 
     python -m venv bodies && bodies/bin/pip install -e ".[bodies]"
     bodies/bin/python scripts/make_bodies.py build      # writes src/garmentimage/body/data
-    python scripts/make_bodies.py picture docs/bodies.png
+    python scripts/make_bodies.py picture docs/images/bodies.png
 
 `build` needs the packages of the `bodies` extra. Its first run takes some minutes and a cache of
 0.9 GB (`ANNY_CACHE_DIR`). Anny's code is under Apache-2.0, the mesh it deforms (MakeHuman) under

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Everything of docs/text.md: data, networks, the baseline, and what is measured. Each step goes on
+# Everything of docs/benchmarks/text-editing.md: data, networks, the baseline, and what is measured. Each step goes on
 # where it was stopped. Words after the first go to `train`: --accelerator gpu.
 #
 #     scripts/text.sh .venv/bin/garmentimage

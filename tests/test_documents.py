@@ -33,13 +33,13 @@ from tests.compare.garments import darted_skirt
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-BODIES = (ROOT / "docs" / "bodies.md").read_text(encoding="utf-8")
-DRAPE = (ROOT / "docs" / "drape.md").read_text(encoding="utf-8")
-PREDICT = (ROOT / "docs" / "predict.md").read_text(encoding="utf-8")
-EXPLORE = (ROOT / "docs" / "explore.md").read_text(encoding="utf-8")
-METRICS = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
-TEXT = (ROOT / "docs" / "text.md").read_text(encoding="utf-8")
-FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+BODIES = (ROOT / "docs" / "how-to" / "bodies.md").read_text(encoding="utf-8")
+DRAPE = (ROOT / "docs" / "how-to" / "drape.md").read_text(encoding="utf-8")
+PREDICT = (ROOT / "docs" / "how-to" / "predict.md").read_text(encoding="utf-8")
+EXPLORE = (ROOT / "docs" / "how-to" / "explore.md").read_text(encoding="utf-8")
+METRICS = (ROOT / "docs" / "how-to" / "compare.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "how-to" / "edit.md").read_text(encoding="utf-8")
+FORMATS = (ROOT / "docs" / "reference" / "formats.md").read_text(encoding="utf-8")
 
 
 def blocks(text, language):
@@ -91,7 +91,7 @@ def test_editing_by_text_runs_as_written(tmp_path, monkeypatch, capsys):
 @pytest.mark.slow
 def test_the_notebook_of_editing_by_text_runs_and_ends_with_a_garment(tmp_path, monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
-    notebook = nbformat.read(ROOT / "docs" / "edit.ipynb", as_version=4)
+    notebook = nbformat.read(ROOT / "docs" / "how-to" / "edit.ipynb", as_version=4)
     assert not any(cell.get("outputs") for cell in notebook.cells), "saved with its outputs"
     place = {"metadata": {"path": str(tmp_path)}}
     NotebookClient(notebook, timeout=300, kernel_name="python3", resources=place).execute()
