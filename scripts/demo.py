@@ -38,7 +38,9 @@ def main(folder: Path) -> int:
         print(found.result(), told.getvalue(), sep="\n")
         for name, pictures in worn.items():
             draw_worn(name, pictures.result(), folder)
-    print("\nImages keep no notches and no names of edges: docs/reference/formats.md says what else.")
+    print(
+        "\nImages keep no notches and no names of edges: docs/reference/formats.md says what else."
+    )
     return int(failed > 0)
 
 
