@@ -20,8 +20,8 @@ from jaxtyping import Float, Int
 
 from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.mesh import Rest, bending_matrix
+from garmentimage.drape.solver._kernels_step import FRAME, LOOK_AHEAD, SHORTEST, simulate
 from garmentimage.drape.solver.distance_field import DistanceField
-from garmentimage.drape.solver.step import FRAME, LOOK_AHEAD, SHORTEST, at_start, simulate
 
 GRAVITY = 981.0
 """[cm/s2]"""
@@ -148,7 +148,7 @@ def solve(
     rubs = np.zeros(count, bool)
     rubs[[] if resting is None else resting] = True
     speeds = np.zeros(settings.frames)
-    state, settled, frames = at_start(count), False, 0
+    state, settled, frames = _initial_state(count), False, 0
     span = settings.frames if watch is None else WATCHED
     while frames < settings.frames and not settled:
         frames, settled = simulate(
@@ -176,6 +176,13 @@ def solve(
         if watch is not None:
             watch(frames, settings.frames)
     return Motion(points, frames, speeds[:frames], bool(settled))
+
+
+def _initial_state(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """How far each vertex went, its plane, how long that is left alone, and its lift."""
+    planes = np.zeros((count, 4))
+    planes[:, 3] = -np.inf
+    return np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count)
 
 
 def _flat(rest: Rest) -> Float[np.ndarray, "face 3 2"]:

@@ -17,22 +17,22 @@ from jaxtyping import Float, Float32, Int, Int16, Int32, UInt8
 
 from garmentimage.body import Body
 from garmentimage.errors import RenderError
-from garmentimage.render.worn.background import PLAIN, filled
-from garmentimage.render.worn.camera import Camera, view
-from garmentimage.render.worn.light import STUDIO, Light
-from garmentimage.render.worn.prints import light_tile
-from garmentimage.render.worn.shade import (
-    NO_SURFACE,
+from garmentimage.render.worn._kernels_shade import (
     find_pixels,
     lit_share,
     nearest,
     open_share,
-    probe_offsets,
     shade,
 )
+from garmentimage.render.worn._kernels_zbuffer import draw_faces, draw_lines
+from garmentimage.render.worn.background import PLAIN, filled
+from garmentimage.render.worn.camera import Camera, view
+from garmentimage.render.worn.light import STUDIO, Light
+from garmentimage.render.worn.prints import light_tile
+from garmentimage.render.worn.shade import NO_SURFACE, probe_offsets
 from garmentimage.render.worn.surface import Surface
 from garmentimage.render.worn.tint import encoded
-from garmentimage.render.worn.zbuffer import Visible, draw_faces, draw_lines, snapped
+from garmentimage.render.worn.zbuffer import Visible, snapped
 
 SIZE_LIMITS = (16, 2048)
 """Smallest and largest picture [pixel]."""

@@ -8,9 +8,9 @@ from functools import cache
 
 import numpy as np
 from jaxtyping import Float, Float32, UInt8
-from numba import njit
 
 from garmentimage.errors import RenderError, quoted
+from garmentimage.render.worn._kernels_shade import encode_srgb
 
 Tint = str | tuple[float, float, float]
 
@@ -59,19 +59,8 @@ def linear(srgb: Float[np.ndarray, "*shape"]) -> Float32[np.ndarray, "*shape"]:
 def encoded(light: Float32[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "row col 3"]:
     """Linear light as 8-bit sRGB; more than 1 is white."""
     codes = np.empty(light.shape, np.uint8)
-    _encode(light, _table(), codes)
+    encode_srgb(light, _table(), codes)
     return codes
-
-
-@njit(cache=True, error_model="numpy")
-def _encode(light, table, codes):  # type: ignore[no-untyped-def]
-    last = np.float32(len(table) - 1)
-    for row in range(light.shape[0]):
-        for col in range(light.shape[1]):
-            for c in range(3):
-                bright = min(max(light[row, col, c], np.float32(0)), np.float32(1))
-                code = int(np.sqrt(bright) * last + np.float32(0.5))
-                codes[row, col, c] = table[min(max(code, 0), len(table) - 1)]
 
 
 @cache

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Float32, Int32, UInt8
-from numba import njit
 
 SUBSAMPLE = 256
 """Positions a sample is divided into, each way."""
@@ -52,81 +51,3 @@ class Visible:
 def snapped(across: Float[np.ndarray, " n"], samples: int) -> Float[np.ndarray, " n"]:
     """Coordinates from the middle of the picture, from its edge and on the grid [sample]."""
     return np.rint(across * SUBSAMPLE) / SUBSAMPLE + samples / 2
-
-
-@njit(cache=True, error_model="numpy")
-def draw_faces(x, y, depth, faces, lift, two_sided, perspective, number, near, owner, face, weight):  # type: ignore[no-untyped-def]
-    """Draw triangles into the buffers of a `Visible`.
-
-    Cloth lies so near to the skin that chords of one cut through the other. So a face is drawn
-    `lift` [cm] off its place along the line of sight: towards the viewer where its outside is seen,
-    away where its inside is. Depth is linear over the picture for an orthographic camera; for a
-    perspective one its reciprocal is.
-    """
-    rows, cols = near.shape
-    for f in range(len(faces)):
-        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
-        xa, ya, xb, yb, xc, yc = x[a], y[a], x[b], y[b], x[c], y[c]
-        # Rows run downwards: a face seen from outside turns clockwise on the screen.
-        area = (xb - xa) * (yc - ya) - (xc - xa) * (yb - ya)
-        if area == 0 or (area > 0 and not two_sided):
-            continue
-        outside = area < 0
-        push = lift if outside else -lift
-        sign = -1.0 if outside else 1.0
-        size = area * sign
-        left = max(0, int(np.ceil(min(xa, xb, xc) - 0.5)))
-        right = min(cols - 1, int(np.floor(max(xa, xb, xc) - 0.5)))
-        top = max(0, int(np.ceil(min(ya, yb, yc) - 0.5)))
-        bottom = min(rows - 1, int(np.floor(max(ya, yb, yc) - 0.5)))
-        for row in range(top, bottom + 1):
-            py = row + 0.5
-            for col in range(left, right + 1):
-                px = col + 0.5
-                sb = sign * ((px - xa) * (yc - ya) - (xc - xa) * (py - ya))
-                sc = sign * ((xb - xa) * (py - ya) - (px - xa) * (yb - ya))
-                sa = size - sb - sc
-                if sa < 0 or sb < 0 or sc < 0:
-                    continue
-                wb, wc = sb / size, sc / size
-                if perspective:
-                    ra, rb, rc = (1 - wb - wc) / depth[a], wb / depth[b], wc / depth[c]
-                    z = 1 / (ra + rb + rc)
-                    wb, wc = rb * z, rc * z
-                else:
-                    z = depth[a] + wb * (depth[b] - depth[a]) + wc * (depth[c] - depth[a])
-                z = np.float32(z - push)
-                if z < near[row, col]:
-                    near[row, col] = z
-                    owner[row, col] = number
-                    face[row, col] = f if outside else -1 - f
-                    weight[row, col, 0] = wb
-                    weight[row, col, 1] = wc
-
-
-@njit(cache=True, error_model="numpy")
-def draw_lines(x, y, depth, lines, radius, reach, shade, near, ink):  # type: ignore[no-untyped-def]
-    """Mark with `shade` the samples within `radius` [sample] of lines that nothing hides.
-
-    A line lies in the surface it is drawn on, and half of its breadth may lie deeper: what is less
-    than `reach` [cm] nearer does not hide it.
-    """
-    rows, cols = near.shape
-    for k in range(len(lines)):
-        a, b = lines[k, 0], lines[k, 1]
-        dx, dy = x[b] - x[a], y[b] - y[a]
-        length = dx * dx + dy * dy
-        left = max(0, int(np.ceil(min(x[a], x[b]) - radius - 0.5)))
-        right = min(cols - 1, int(np.floor(max(x[a], x[b]) + radius - 0.5)))
-        top = max(0, int(np.ceil(min(y[a], y[b]) - radius - 0.5)))
-        bottom = min(rows - 1, int(np.floor(max(y[a], y[b]) + radius - 0.5)))
-        for row in range(top, bottom + 1):
-            for col in range(left, right + 1):
-                px, py = col + 0.5 - x[a], row + 0.5 - y[a]
-                t = 0.0
-                if length > 0:
-                    t = min(1.0, max(0.0, (px * dx + py * dy) / length))
-                gap = (px - t * dx) ** 2 + (py - t * dy) ** 2
-                z = depth[a] + t * (depth[b] - depth[a])
-                if gap <= radius * radius and z - reach < near[row, col]:
-                    ink[row, col] = max(ink[row, col], shade)

@@ -4,10 +4,12 @@ All arrays are changed in place. `points` are the vertices [cm] and `moved` is h
 the last step [cm].
 """
 
+# mypy: allow-untyped-defs, allow-untyped-decorators
+
 import numpy as np
 from numba import njit
 
-from garmentimage.drape.solver.distance_field import sample
+from garmentimage.drape.solver._kernels_field import sample
 
 FRAME = 1.0 / 60.0
 """[s]"""
@@ -45,7 +47,7 @@ def simulate(
     """Move `points` through a span of frames, or until at rest.
 
     Returns the frames taken since the first and whether rest was reached. `state` is what goes on
-    from span to span, see `at_start`; how long spans are changes no bit.
+    from span to span, see `_initial_state` of the solver; how long spans are changes no bit.
     """
     moved, planes, rest, lift = state
     ends, lengths, stiffness = springs
@@ -88,13 +90,6 @@ def simulate(
         if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
             return frame + 1, True
     return span[1], False
-
-
-def at_start(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """How far each vertex went, its plane, how long that is left alone, and its lift."""
-    planes = np.zeros((count, 4))
-    planes[:, 3] = -np.inf
-    return np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count)
 
 
 @njit(cache=True)

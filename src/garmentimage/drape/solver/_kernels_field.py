@@ -1,0 +1,180 @@
+"""Compiled loops of the distance field: exact distances, swept distances, winding numbers."""
+
+# mypy: allow-untyped-defs, allow-untyped-decorators
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def sweep(values, far, cell):
+    """Carry distances from each place's thirteen neighbours that come before it."""
+    nx, ny, nz = values.shape
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                if not far[i, j, k]:
+                    continue
+                best = values[i, j, k]
+                for a in range(max(i - 1, 0), i + 1):
+                    for b in range(max(j - 1, 0), min(j + 2, ny) if a < i else j + 1):
+                        before = a < i or b < j
+                        for c in range(max(k - 1, 0), min(k + 2, nz) if before else k):
+                            step = cell * np.sqrt(float((i - a) ** 2 + (j - b) ** 2 + (k - c) ** 2))
+                            value = values[a, b, c]
+                            if abs(value) + step < abs(best):
+                                best = value + step if value > 0.0 else value - step
+                values[i, j, k] = best
+
+
+@njit(cache=True)
+def count_crossings(turns, points, faces):
+    """At the first node behind each crossing: 1 where it leads in, -1 where it leads out."""
+    nx, ny, nz = turns.shape
+    for f in range(len(faces)):
+        a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
+        for i in range(_from(a[0], b[0], c[0]), _to(a[0], b[0], c[0], nx)):
+            for j in range(_from(a[1], b[1], c[1]), _to(a[1], b[1], c[1], ny)):
+                at_c = (b[0] - a[0]) * (j - a[1]) - (b[1] - a[1]) * (i - a[0])
+                at_a = (c[0] - b[0]) * (j - b[1]) - (c[1] - b[1]) * (i - b[0])
+                at_b = (a[0] - c[0]) * (j - c[1]) - (a[1] - c[1]) * (i - c[0])
+                if at_a > 0.0 and at_b > 0.0 and at_c > 0.0:
+                    way = -1
+                elif at_a < 0.0 and at_b < 0.0 and at_c < 0.0:
+                    way = 1
+                else:
+                    continue
+                height = (at_a * a[2] + at_b * b[2] + at_c * c[2]) / (at_a + at_b + at_c)
+                turns[i, j, min(max(int(np.ceil(height)), 0), nz - 1)] += way
+
+
+@njit(cache=True)
+def _from(a, b, c):
+    return max(int(np.ceil(min(a, b, c))), 0)
+
+
+@njit(cache=True)
+def _to(a, b, c, count):
+    return min(int(np.floor(max(a, b, c))) + 1, count)
+
+
+@njit(cache=True)
+def sample(values, origin, per_cell, x, y, z):
+    """Distance at a place, interpolated linearly along each axis, and its slope (4 numbers)."""
+    nx, ny, nz = values.shape
+    u = min(max((x - origin[0]) * per_cell, 0.0), nx - 1.0)
+    v = min(max((y - origin[1]) * per_cell, 0.0), ny - 1.0)
+    w = min(max((z - origin[2]) * per_cell, 0.0), nz - 1.0)
+    # What is no number is taken to lie at the grid's corner: its index must not leave the array.
+    i, j, k = max(min(int(u), nx - 2), 0), max(min(int(v), ny - 2), 0), max(min(int(w), nz - 2), 0)
+    u, v, w = u - i, v - j, w - k
+    low00, low01 = values[i, j, k], values[i, j, k + 1]
+    low10, low11 = values[i, j + 1, k], values[i, j + 1, k + 1]
+    rise00, rise01 = values[i + 1, j, k] - low00, values[i + 1, j, k + 1] - low01
+    rise10, rise11 = values[i + 1, j + 1, k] - low10, values[i + 1, j + 1, k + 1] - low11
+    at00, at01 = low00 + rise00 * u, low01 + rise01 * u
+    at10, at11 = low10 + rise10 * u, low11 + rise11 * u
+    at0, at1 = at00 + (at10 - at00) * v, at01 + (at11 - at01) * v
+    slope_x = (rise00 * (1 - v) + rise10 * v) * (1 - w) + (rise01 * (1 - v) + rise11 * v) * w
+    slope_y = (at10 - at00) * (1 - w) + (at11 - at01) * w
+    return (
+        at0 + (at1 - at0) * w,
+        slope_x * per_cell,
+        slope_y * per_cell,
+        (at1 - at0) * per_cell,
+    )
+
+
+@njit(cache=True)
+def sample_all(values, origin, per_cell, points, distance, slope):
+    for n in range(len(points)):
+        d, x, y, z = sample(values, origin, per_cell, points[n, 0], points[n, 1], points[n, 2])
+        distance[n] = d
+        slope[n, 0], slope[n, 1], slope[n, 2] = x, y, z
+
+
+@njit(cache=True)
+def stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band):
+    """Write each triangle's signed distance at the nodes round it, where it is the nearest yet."""
+    nx, ny, nz = values.shape
+    for f in range(len(faces)):
+        a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
+        x0 = max(0, int(np.ceil(min(a[0], b[0], c[0]) - band)))
+        x1 = min(nx - 1, int(np.floor(max(a[0], b[0], c[0]) + band)))
+        y0 = max(0, int(np.ceil(min(a[1], b[1], c[1]) - band)))
+        y1 = min(ny - 1, int(np.floor(max(a[1], b[1], c[1]) + band)))
+        z0 = max(0, int(np.ceil(min(a[2], b[2], c[2]) - band)))
+        z1 = min(nz - 1, int(np.floor(max(a[2], b[2], c[2]) + band)))
+        n = face_normal[f]
+        mx, my, mz = (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3
+        radius = max(_apart(a, mx, my, mz), _apart(b, mx, my, mz), _apart(c, mx, my, mz))
+        for i in range(x0, x1 + 1):
+            for j in range(y0, y1 + 1):
+                for k in range(z0, z1 + 1):
+                    # Most nodes are ruled out by the distance to the triangle's plane or middle.
+                    height = (i - a[0]) * n[0] + (j - a[1]) * n[1] + (k - a[2]) * n[2]
+                    limit = min(abs(values[i, j, k]), band)
+                    if abs(height) >= limit:
+                        continue
+                    if (i - mx) ** 2 + (j - my) ** 2 + (k - mz) ** 2 >= (radius + limit) ** 2:
+                        continue
+                    qx, qy, qz, feature = _nearest_on_triangle(i, j, k, a, b, c)
+                    dx, dy, dz = i - qx, j - qy, k - qz
+                    d = np.sqrt(dx * dx + dy * dy + dz * dz)
+                    if d >= limit:
+                        continue
+                    if feature == 0:
+                        m = n
+                    elif feature < 4:
+                        m = edge_normal[f, feature - 1]
+                    else:
+                        m = vertex_normal[faces[f, feature - 4]]
+                    inside = dx * m[0] + dy * m[1] + dz * m[2] < 0.0
+                    values[i, j, k] = -d if inside else d
+
+
+@njit(cache=True)
+def _apart(point, x, y, z):
+    return np.sqrt((point[0] - x) ** 2 + (point[1] - y) ** 2 + (point[2] - z) ** 2)
+
+
+@njit(cache=True)
+def _nearest_on_triangle(x, y, z, a, b, c):
+    """Nearest point of a triangle and where it lies.
+
+    0 is the inside, 1 to 3 the edges ab, bc, ca, and 4 to 6 the corners a, b, c. After Ericson,
+    "Real-Time Collision Detection" (2005), 5.1.5.
+    """
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    px, py, pz = x - a[0], y - a[1], z - a[2]
+    d1, d2 = ux * px + uy * py + uz * pz, vx * px + vy * py + vz * pz
+    if d1 <= 0.0 and d2 <= 0.0:
+        return a[0], a[1], a[2], 4
+    px, py, pz = x - b[0], y - b[1], z - b[2]
+    d3, d4 = ux * px + uy * py + uz * pz, vx * px + vy * py + vz * pz
+    if d3 >= 0.0 and d4 <= d3:
+        return b[0], b[1], b[2], 5
+    over_ab = d1 * d4 - d3 * d2
+    if over_ab <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        t = d1 / (d1 - d3) if d1 > d3 else 0.0
+        return a[0] + t * ux, a[1] + t * uy, a[2] + t * uz, 1
+    px, py, pz = x - c[0], y - c[1], z - c[2]
+    d5, d6 = ux * px + uy * py + uz * pz, vx * px + vy * py + vz * pz
+    if d6 >= 0.0 and d5 <= d6:
+        return c[0], c[1], c[2], 6
+    over_ca = d5 * d2 - d1 * d6
+    if over_ca <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        t = d2 / (d2 - d6) if d2 > d6 else 0.0
+        return a[0] + t * vx, a[1] + t * vy, a[2] + t * vz, 3
+    over_bc = d3 * d6 - d5 * d4
+    if over_bc <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0:
+        whole = (d4 - d3) + (d5 - d6)
+        t = (d4 - d3) / whole if whole > 0.0 else 0.0
+        return b[0] + t * (c[0] - b[0]), b[1] + t * (c[1] - b[1]), b[2] + t * (c[2] - b[2]), 2
+    total = over_ab + over_bc + over_ca
+    if total <= 0.0:  # A triangle that rounding has made a line; its neighbours are as near.
+        return a[0], a[1], a[2], 4
+    scale = 1.0 / total
+    s, t = over_ca * scale, over_ab * scale
+    return a[0] + s * ux + t * vx, a[1] + s * uy + t * vy, a[2] + s * uz + t * vz, 0
