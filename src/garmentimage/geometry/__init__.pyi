@@ -1,3 +1,11 @@
+from ._kernels_heap import (
+    drop_first as drop_first,
+    push as push,
+)
+from ._kernels_union_find import (
+    merge as merge,
+    root_of as root_of,
+)
 from .crossings import (
     contains as contains,
     touching_sides as touching_sides,
@@ -10,18 +18,10 @@ from .curves import (
     Line as Line,
     Point as Point,
 )
-from .heap import (
-    drop_first as drop_first,
-    push as push,
-)
 from .polygons import (
     centroid as centroid,
     lengths_along as lengths_along,
     polyline_length as polyline_length,
     resample as resample,
     signed_area as signed_area,
-)
-from .union_find import (
-    merge as merge,
-    root_of as root_of,
 )

@@ -16,62 +16,13 @@ from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 
 from garmentimage.geometry import Arc, Bezier, Curve, Line
-
-LINE_TOL_CM = 0.1
-LINE_TOL_SHARE = 0.003
-"""A run this near its chord [cm, or share of its length] is straight."""
-
-CURVE_TOL_CM = 0.25
-CURVE_TOL_SHARE = 0.006
-"""A curve may miss the points of its run by this much [cm, or share of its length]."""
-
-QUADRATIC_TOL_CM = 0.05
-QUADRATIC_TOL_SHARE = 0.0015
-"""A quadratic curve this near is taken before a cubic is tried."""
-
-CORNER = np.deg2rad(72.0)
-"""A turn between two chords that is a corner wherever it stands."""
-
-SHARP_TURN = np.deg2rad(12.0)
-SHARP_FACTOR = 3.0
-"""A turn beyond the first is a corner too if it is this many times the turns beside it."""
-
-EVEN_CHORDS = 0.9
-"""Chords of one edge are about equally long. Where two differ more than this, and a seam end leaves
-nothing to compare their turn with, two edges meet."""
-
-ARC_CHORDS = 3
-ARC_SWEEP = np.deg2rad(60.0)
-"""From so many chords on, or with two that sweep more than this, an arc is told from a parabola."""
-LEAST_ARC, WIDEST_ARC = np.deg2rad(0.5), np.deg2rad(354.0)
-"""Flatter arcs are no arcs; those that come nearer to closing are not fitted by one curve."""
-
-JUMP = 0.8
-JUMP_TURN = np.deg2rad(0.5)
-"""Where even chords of one length meet even chords of another, by at least this ratio, and the run
-turns thereabouts, two edges meet though there is no corner."""
-
-FULL_FIT_CHORDS = 4
-"""From this many chords on, a curve through all of them is proof that there is no corner."""
-
-STRETCH_LIMIT = 1.2
-"""A fitted curve longer than this many times its polyline has swung out: it is refused."""
-
-CHORD_SHARE = 0.2
-"""A run that comes back this near to its start, as a share of its length, is two curves or more."""
+from garmentimage.raster.decode._kernels_curve_fit import ARC, LINE, REFUSED, find_corners, fit_run
 
 SMOOTH_JOINT = np.deg2rad(12.0)
 """Where a run was cut only because one curve would not do, and two curved parts meet at less than
 this angle, they meet smoothly. At seam ends and beside lines patterns do have kinks this small."""
-
-REFUSED, LINE, QUADRATIC, CUBIC, ARC = -1, 0, 1, 2, 3
-"""What a fit may be; of Bézier curves the number of control points."""
-
-_FIT_ROUNDS = 5
-_TABLE = 48
 
 
 @dataclass(frozen=True)
@@ -94,7 +45,7 @@ def cut_run(sides: tuple[Float[np.ndarray, "n 2"], ...], *, chords: bool = False
     assert count > 1 and all(len(s) == count for s in sides)
     if chords or count == 2:
         return [_chord(sides, k) for k in range(count - 1)]
-    looks = [_look(np.ascontiguousarray(s)) for s in sides]
+    looks = [find_corners(np.ascontiguousarray(s)) for s in sides]
     turns = np.maximum(looks[0][0], looks[-1][0])
     corners = np.logical_or(looks[0][1], looks[-1][1])
     cuts = [0, *(np.flatnonzero(corners) + 1).tolist(), count - 1]
@@ -110,7 +61,7 @@ def fit_curve(points: Float[np.ndarray, "n 2"]) -> Curve | None:
     Returns:
         None where no single curve stays within the tolerance.
     """
-    kind, controls, radius, swept = _fit(np.ascontiguousarray(points))
+    kind, controls, radius, swept = fit_run(np.ascontiguousarray(points))
     start, end = _point(points[0]), _point(points[-1])
     if kind == REFUSED:
         return None
@@ -182,239 +133,3 @@ def _chord(sides: tuple[np.ndarray, ...], k: int) -> Part:
 
 def _point(xy: np.ndarray) -> tuple[float, float]:
     return float(xy[0]), float(xy[1])
-
-
-@njit(cache=True)
-def _look(points):  # type: ignore[no-untyped-def]
-    """How far the polyline turns at each inner point [radians], and whether that is a corner."""
-    inner = len(points) - 2
-    turns = np.zeros(inner)
-    corners = np.zeros(inner, np.bool_)
-    chords = np.zeros(inner + 1)
-    for k in range(inner + 1):
-        chords[k] = np.hypot(points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1])
-    for k in range(inner):
-        ax, ay = points[k + 1] - points[k]
-        bx, by = points[k + 2] - points[k + 1]
-        turns[k] = abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
-    suspect = False
-    for k in range(inner):
-        at_end = k == 0 or k == inner - 1
-        beside = max(turns[k - 1] if k > 0 else 0.0, turns[k + 1] if k + 1 < inner else 0.0)
-        even = min(chords[k], chords[k + 1]) > EVEN_CHORDS * max(chords[k], chords[k + 1])
-        sharp = turns[k] > SHARP_TURN and turns[k] > SHARP_FACTOR * beside
-        corners[k] = turns[k] > CORNER or (sharp and not (at_end and even))
-        corners[k] = corners[k] or (max(turns[k], beside) > JUMP_TURN and _jumps(chords, k))
-        suspect = suspect or corners[k]
-    if suspect and inner + 1 >= FULL_FIT_CHORDS:
-        shares, length = _shares(points)
-        if length > 0.0:
-            error = _fit_bezier(points, shares, length, 1, np.zeros((2, 2)))
-            error = min(error, _fit_arc(points)[2])
-            if error <= max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length):
-                corners[:] = False
-    return turns, corners
-
-
-@njit(cache=True)
-def _jumps(chords, k):  # type: ignore[no-untyped-def]
-    """Whether even chords of two lengths meet after chord `k`."""
-    a, b = chords[k], chords[k + 1]
-    if min(a, b) > JUMP * max(a, b):
-        return False
-    told = False
-    if k > 0:
-        told = min(chords[k - 1], a) > EVEN_CHORDS * max(chords[k - 1], a)
-        if not told:
-            return False
-    if k + 2 < len(chords):
-        return min(chords[k + 2], b) > EVEN_CHORDS * max(chords[k + 2], b)
-    return told
-
-
-@njit(cache=True)
-def _fit(points):  # type: ignore[no-untyped-def]
-    """Kind of the curve, the control points of a Bézier curve, radius and sweep of an arc."""
-    controls = np.zeros((2, 2))
-    shares, length = _shares(points)
-    near = max(QUADRATIC_TOL_CM, QUADRATIC_TOL_SHARE * length)
-    chord = np.hypot(points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1])
-    if chord > 0 and _line_error(points) <= max(LINE_TOL_CM, LINE_TOL_SHARE * length):
-        return LINE, controls, 0.0, 0.0
-    radius, swept, round_error = _fit_arc(points)
-    returns = chord <= CHORD_SHARE * length
-    error = np.inf if returns else _fit_bezier(points, shares, length, QUADRATIC, controls)
-    if round_error <= near and round_error <= error:
-        return ARC, controls, radius, swept
-    if returns:
-        return REFUSED, controls, 0.0, 0.0
-    if error <= near:
-        return QUADRATIC, controls, 0.0, 0.0
-    tolerance = max(CURVE_TOL_CM, CURVE_TOL_SHARE * length)
-    cubic = np.zeros((2, 2))
-    if len(points) > 3 and _fit_bezier(points, shares, length, CUBIC, cubic) <= tolerance:
-        return CUBIC, cubic, 0.0, 0.0
-    if error <= tolerance:
-        return QUADRATIC, controls, 0.0, 0.0
-    return REFUSED, controls, 0.0, 0.0
-
-
-@njit(cache=True)
-def _fit_arc(points):  # type: ignore[no-untyped-def]
-    """Radius, sweep (counter-clockwise positive) and largest miss [cm] of a circular arc.
-
-    Kåsa's circle: least squares of x² + y² + a x + b y + c. Points lie at even shares of an arc.
-    """
-    count = len(points)
-    mx, my = points[:, 0].mean(), points[:, 1].mean()
-    sxx, sxy, syy, sxr, syr = 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(count):
-        x, y = points[j, 0] - mx, points[j, 1] - my
-        r = x * x + y * y
-        sxx += x * x
-        sxy += x * y
-        syy += y * y
-        sxr += x * r
-        syr += y * r
-    determinant = sxx * syy - sxy * sxy
-    if determinant <= 1e-9 * sxx * syy:
-        return 0.0, 0.0, np.inf
-    cx = mx + (sxr * syy - syr * sxy) / (2 * determinant)
-    cy = my + (syr * sxx - sxr * sxy) / (2 * determinant)
-    angles = np.zeros(count)
-    for j in range(1, count):
-        ax, ay = points[j - 1, 0] - cx, points[j - 1, 1] - cy
-        bx, by = points[j, 0] - cx, points[j, 1] - cy
-        angles[j] = angles[j - 1] + np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
-    swept = angles[-1]
-    told = count > ARC_CHORDS or abs(swept) > ARC_SWEEP
-    if not told or not LEAST_ARC < abs(swept) < WIDEST_ARC:
-        return 0.0, 0.0, np.inf
-    # Through the ends exactly; from the sweep, as the radius hardly tells arcs near a half circle.
-    dx, dy = points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1]
-    radius = np.hypot(dx, dy) / (2 * np.sin(abs(swept) / 2))
-    away = 1 / (2 * np.tan(swept / 2))
-    cx = points[0, 0] + dx / 2 - dy * away
-    cy = points[0, 1] + dy / 2 + dx * away
-    first = np.arctan2(points[0, 1] - cy, points[0, 0] - cx)
-    error = 0.0
-    for j in range(1, count - 1):
-        angle = first + swept * j / (count - 1)
-        x, y = cx + radius * np.cos(angle), cy + radius * np.sin(angle)
-        error = max(error, np.hypot(x - points[j, 0], y - points[j, 1]))
-    return radius, swept, error
-
-
-@njit(cache=True)
-def _shares(points):  # type: ignore[no-untyped-def]
-    """Share of the length at each point, and the length; chords bowed by the turns beside them."""
-    count = len(points)
-    angle = np.zeros(count)
-    for k in range(1, count - 1):
-        ax, ay = points[k, 0] - points[k - 1, 0], points[k, 1] - points[k - 1, 1]
-        bx, by = points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1]
-        angle[k] = np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
-    if count > 2:
-        angle[0], angle[-1] = angle[1], angle[-2]
-    shares = np.zeros(count)
-    for k in range(1, count):
-        chord = np.hypot(points[k, 0] - points[k - 1, 0], points[k, 1] - points[k - 1, 1])
-        bend = min(abs(angle[k - 1] + angle[k]) / 2, 1.5)
-        # An arc that turns by b is b²/24 longer than its chord.
-        shares[k] = shares[k - 1] + chord * (1 + bend * bend / 24)
-    length = shares[-1]
-    if length > 0:
-        shares /= length
-    return shares, length
-
-
-@njit(cache=True)
-def _line_error(points):  # type: ignore[no-untyped-def]
-    """Largest distance of a point from the chord; infinite where the run walks backwards."""
-    dx, dy = points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1]
-    chord = np.hypot(dx, dy)
-    if chord <= 0.0:
-        return np.inf
-    worst, behind = 0.0, 0.0
-    for k in range(1, len(points)):
-        px, py = points[k, 0] - points[0, 0], points[k, 1] - points[0, 1]
-        along = (px * dx + py * dy) / chord
-        if along <= behind:
-            return np.inf
-        behind = along
-        worst = max(worst, abs(px * dy - py * dx) / chord)
-    return worst
-
-
-@njit(cache=True)
-def _fit_bezier(points, shares, length, order, controls):  # type: ignore[no-untyped-def]
-    """Fit `order` control points by least squares; returns the largest miss [cm]."""
-    count = len(points)
-    t = shares.copy()
-    table = np.zeros(_TABLE + 1)
-    error = np.inf
-    for _ in range(_FIT_ROUNDS):
-        if not _solve_controls(points, t, order, controls):
-            return np.inf
-        x, y = points[0, 0], points[0, 1]
-        for k in range(1, _TABLE + 1):
-            px, py = _bezier(points, controls, order, k / _TABLE)
-            table[k] = table[k - 1] + np.hypot(px - x, py - y)
-            x, y = px, py
-        if not 0.0 < table[-1] <= STRETCH_LIMIT * length:
-            return np.inf
-        error = 0.0
-        k = 0
-        for j in range(1, count - 1):
-            target = shares[j] * table[-1]
-            while k + 1 < _TABLE and table[k + 1] < target:
-                k += 1
-            step = table[k + 1] - table[k]
-            t[j] = (k + ((target - table[k]) / step if step > 0.0 else 0.0)) / _TABLE
-            px, py = _bezier(points, controls, order, t[j])
-            error = max(error, np.hypot(px - points[j, 0], py - points[j, 1]))
-    return error
-
-
-@njit(cache=True)
-def _bezier(points, controls, order, t):  # type: ignore[no-untyped-def]
-    u = 1 - t
-    if order == 1:
-        a, b, c, d = u * u, 2 * u * t, 0.0, t * t
-    else:
-        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
-    x = a * points[0, 0] + b * controls[0, 0] + c * controls[1, 0] + d * points[-1, 0]
-    y = a * points[0, 1] + b * controls[0, 1] + c * controls[1, 1] + d * points[-1, 1]
-    return x, y
-
-
-@njit(cache=True)
-def _solve_controls(points, t, order, controls):  # type: ignore[no-untyped-def]
-    """Control points that bring the curve nearest to the points at parameters `t`."""
-    m00, m01, m11 = 0.0, 0.0, 0.0
-    rhs = np.zeros((2, 2))
-    for j in range(1, len(points) - 1):
-        u, v = 1 - t[j], t[j]
-        if order == 1:
-            a, b, c, d = u * u, 2 * u * v, 0.0, v * v
-        else:
-            a, b, c, d = u * u * u, 3 * u * u * v, 3 * u * v * v, v * v * v
-        m00 += b * b
-        m01 += b * c
-        m11 += c * c
-        for axis in range(2):
-            rest = points[j, axis] - a * points[0, axis] - d * points[-1, axis]
-            rhs[0, axis] += b * rest
-            rhs[1, axis] += c * rest
-    if order == 1:
-        if m00 < 1e-12:
-            return False
-        controls[0] = rhs[0] / m00
-        return True
-    determinant = m00 * m11 - m01 * m01
-    if determinant < 1e-12:
-        return False
-    for axis in range(2):
-        controls[0, axis] = (m11 * rhs[0, axis] - m01 * rhs[1, axis]) / determinant
-        controls[1, axis] = (m00 * rhs[1, axis] - m01 * rhs[0, axis]) / determinant
-    return True

@@ -10,7 +10,6 @@ from itertools import count
 
 import numpy as np
 from jaxtyping import Float, Int
-from numba import njit
 
 from garmentimage.errors import DecodeError
 from garmentimage.geometry import centroid, contains, signed_area, touching_sides
@@ -29,6 +28,7 @@ from garmentimage.pattern import (
 from garmentimage.pattern.checks import PANEL_SIZE_LIMIT, SHORTEST_EDGE
 from garmentimage.raster.cells import CellMesh, cell_mesh, label_panels
 from garmentimage.raster.channel_kind import ChannelKind
+from garmentimage.raster.decode._kernels_unfold import normal_equations
 from garmentimage.raster.decode.boundary import (
     NONE,
     Boundary,
@@ -188,7 +188,7 @@ def unfold_cells(
     start = np.concatenate([bottom_left, bottom_right, top_left, bottom_left])
     end = np.concatenate([bottom_right, top_right, top_right, top_left])
     wanted = vectors.transpose(1, 0, 2).reshape(-1, 2)
-    band, rhs = _normal_equations(start, end, wanted, positions, weight)
+    band, rhs = normal_equations(start, end, wanted, positions, weight)
     return solveh_banded(band, rhs, lower=True, overwrite_ab=True, check_finite=False)
 
 
@@ -202,27 +202,6 @@ def _unfold(image: GarmentImage, layer: int, mesh: CellMesh, pull: float) -> np.
         rest = np.stack([br - bl, tr - br, tr - tl, tl - bl], axis=1)
         vectors = (1 - pull) * vectors + pull * rest
     return unfold_cells(mesh, vectors, positions)
-
-
-@njit(cache=True)
-def _normal_equations(start, end, wanted, positions, weight):  # type: ignore[no-untyped-def]
-    """Lower band of the normal matrix of Eq. 2, and its right-hand side."""
-    width = 0
-    for k in range(len(start)):
-        width = max(width, abs(start[k] - end[k]))
-    count = len(positions)
-    band = np.zeros((width + 1, count))
-    rhs = weight * positions
-    band[0] += weight
-    for k in range(len(start)):
-        i, j = start[k], end[k]
-        band[0, i] += 1
-        band[0, j] += 1
-        band[abs(i - j), min(i, j)] -= 1
-        for axis in range(2):
-            rhs[i, axis] -= wanted[k, axis]
-            rhs[j, axis] += wanted[k, axis]
-    return band, rhs
 
 
 def _marks_of_clusters(

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
-from numba import njit
 
 from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.image import (
@@ -20,20 +19,15 @@ from garmentimage.raster.image import (
     GarmentImage,
     split_channels,
 )
+from garmentimage.raster.repair._kernels import minimise_pair
 
 CERTAIN_COST = 14.0
 """Cost of what a network gave no probability at all."""
 
-ODD_FOLD_COST = 2.0
-"""A front-to-back seam normally has cloth on one and the same side of it in both layers; else it
-costs this much more."""
-
 NEIGHBOUR_GAIN = 0.2
 """What a type gains from each grid edge of the same type that it touches."""
 
-_NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
-_FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
-_SWEEPS = 20
+_NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
 
 
 @dataclass(frozen=True)
@@ -119,100 +113,5 @@ def relabel(
     types = np.empty((len(inside), 2, *inside.shape[1:]), np.int8)
     for first in range(0, len(inside), 2):
         pair = slice(first, first + 2)
-        _search(inside[pair], flag_cost[:, pair], type_cost[pair], types[pair])
+        minimise_pair(inside[pair], flag_cost[:, pair], type_cost[pair], types[pair])
     return inside, types
-
-
-@njit(cache=True)
-def _best_types(f0, f1, b0, b1, front, back, layers):  # type: ignore[no-untyped-def]
-    """Cheapest consistent types of one grid edge on a pair of layers, given both flags on each."""
-    best_f, cost_f = _best_single(f0, f1, front)
-    if layers == 1:
-        return cost_f, best_f, 0
-    best_b, cost_b = _best_single(b0, b1, back)
-    total = cost_f + cost_b
-    if (f0 and b0) or (f1 and b1):
-        sewn = front[_FRONT_TO_BACK] + back[_FRONT_TO_BACK]
-        if f0 == f1 or f0 != b0 or f1 != b1:
-            sewn += ODD_FOLD_COST
-        if sewn < total:
-            return sewn, _FRONT_TO_BACK, _FRONT_TO_BACK
-    return total, best_f, best_b
-
-
-@njit(cache=True)
-def _best_single(a, b, cost):  # type: ignore[no-untyped-def]
-    if not a and not b:
-        return _NON_BOUNDARY, cost[_NON_BOUNDARY]
-    if a != b:
-        return _NON_STITCH, cost[_NON_STITCH]
-    best = _NON_BOUNDARY
-    if cost[_NON_STITCH] < cost[best]:
-        best = _NON_STITCH
-    if cost[_SIDE_BY_SIDE] < cost[best]:
-        best = _SIDE_BY_SIDE
-    return best, cost[best]
-
-
-@njit(cache=True)
-def _flag(inside, layer, row, col):  # type: ignore[no-untyped-def]
-    if layer >= inside.shape[0] or row < 0 or col < 0:
-        return False
-    return inside[layer, row, col]
-
-
-@njit(cache=True)
-def _edge(inside, type_cost, h, row, col):  # type: ignore[no-untyped-def]
-    """`_best_types` of the bottom (h = 0) or left (h = 1) grid edge of a cell."""
-    other_row, other_col = (row - 1, col) if h == 0 else (row, col - 1)
-    layers = len(inside)
-    return _best_types(
-        _flag(inside, 0, other_row, other_col),
-        _flag(inside, 0, row, col),
-        _flag(inside, 1, other_row, other_col),
-        _flag(inside, 1, row, col),
-        type_cost[0, h, :, row, col],
-        type_cost[layers - 1, h, :, row, col],
-        layers,
-    )
-
-
-@njit(cache=True)
-def _search(inside, flag_cost, type_cost, types):  # type: ignore[no-untyped-def]
-    layers, grid, _ = inside.shape
-    for _ in range(_SWEEPS):
-        changed = False
-        for row in range(grid):
-            for col in range(grid):
-                now = 0
-                for layer in range(layers):
-                    now += (1 << layer) * inside[layer, row, col]
-                best, best_cost = now, np.inf
-                # The present choice comes first, so that it wins ties.
-                for turn in range(1 << layers):
-                    choice = now ^ turn
-                    cost = 0.0
-                    for layer in range(layers):
-                        flag = (choice >> layer) & 1
-                        inside[layer, row, col] = flag == 1
-                        cost += flag_cost[flag, layer, row, col]
-                    cost += _edge(inside, type_cost, 0, row, col)[0]
-                    cost += _edge(inside, type_cost, 1, row, col)[0]
-                    if row + 1 < grid:
-                        cost += _edge(inside, type_cost, 0, row + 1, col)[0]
-                    if col + 1 < grid:
-                        cost += _edge(inside, type_cost, 1, row, col + 1)[0]
-                    if cost < best_cost - 1e-9:
-                        best, best_cost = choice, cost
-                for layer in range(layers):
-                    inside[layer, row, col] = (best >> layer) & 1 == 1
-                changed = changed or best != now
-        if not changed:
-            break
-    for h in range(2):
-        for row in range(grid):
-            for col in range(grid):
-                _, front, back = _edge(inside, type_cost, h, row, col)
-                types[0, h, row, col] = front
-                if layers > 1:
-                    types[1, h, row, col] = back

@@ -4,11 +4,13 @@
 The root of a class is its smallest number. Numbers given are below `count`.
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from numba import njit
 
 
 @njit(cache=True)
-def root_of(parent, i):  # type: ignore[no-untyped-def]
+def root_of(parent, i):
     """The root of the class of `i`; shortens the way there."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -17,7 +19,7 @@ def root_of(parent, i):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def merge(parent, i, j):  # type: ignore[no-untyped-def]
+def merge(parent, i, j):
     """Make the classes of `i` and `j` one."""
     a, b = root_of(parent, i), root_of(parent, j)
     parent[max(a, b)] = min(a, b)

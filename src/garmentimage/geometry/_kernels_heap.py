@@ -4,11 +4,13 @@ Whoever pushes sees to it that `size` is below the length of the arrays, whoever
 above 0; there is no check inside.
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from numba import njit
 
 
 @njit(cache=True)
-def push(keys, items, size, key, item):  # type: ignore[no-untyped-def]
+def push(keys, items, size, key, item):
     """Add an item; the new size. The arrays must have room for it."""
     i = size
     keys[i], items[i] = key, item
@@ -23,7 +25,7 @@ def push(keys, items, size, key, item):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def drop_first(keys, items, size):  # type: ignore[no-untyped-def]
+def drop_first(keys, items, size):
     """Take the item with the smallest key (at 0) away; the new size."""
     size -= 1
     keys[0], items[0] = keys[size], items[size]

@@ -1,0 +1,140 @@
+"""Flood fill, merged corners and boundary half-edges of cells, in compiled code."""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+
+import numpy as np
+from numba import njit
+
+from garmentimage.geometry import merge, root_of
+from garmentimage.raster.image import EdgeType
+
+OUTSIDE = -1
+"""Label of cells that belong to no panel."""
+
+_NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
+_NON_STITCH = int(EdgeType.NON_STITCH)
+
+
+@njit(cache=True)
+def flood_fill(inside, edge_type, labels):
+    layers, grid, _ = inside.shape
+    labels[:] = OUTSIDE
+    stack = np.empty((grid * grid, 2), np.int64)
+    count = 0
+    for layer in range(layers):
+        for row in range(grid):
+            for col in range(grid):
+                if not inside[layer, row, col] or labels[layer, row, col] != OUTSIDE:
+                    continue
+                labels[layer, row, col] = count
+                stack[0] = row, col
+                height = 1
+                while height:
+                    height -= 1
+                    r, c = stack[height]
+                    for side in range(4):
+                        near_r, near_c = r, c
+                        if side == 0:
+                            kind, near_r = edge_type[layer, 0, r, c], r - 1
+                        elif side == 3:
+                            kind, near_c = edge_type[layer, 1, r, c], c - 1
+                        elif side == 1:
+                            near_c = c + 1
+                            kind = edge_type[layer, 1, r, near_c] if near_c < grid else _NON_STITCH
+                        else:
+                            near_r = r + 1
+                            kind = edge_type[layer, 0, near_r, c] if near_r < grid else _NON_STITCH
+                        if kind != _NON_BOUNDARY or near_r < 0 or near_c < 0:
+                            continue
+                        if inside[layer, near_r, near_c] and labels[layer, near_r, near_c] < 0:
+                            labels[layer, near_r, near_c] = count
+                            stack[height] = near_r, near_c
+                            height += 1
+                count += 1
+    return count
+
+
+@njit(cache=True)
+def merge_corners(mask, edge_type, corners):
+    grid = mask.shape[0]
+    index = np.full((grid, grid), -1, np.int64)
+    cells = np.empty((mask.sum(), 2), np.int64)
+    count = 0
+    for row in range(grid):
+        for col in range(grid):
+            if mask[row, col]:
+                index[row, col] = count
+                cells[count] = row, col
+                count += 1
+    parent = np.arange(4 * count)
+    for i in range(count):
+        row, col = cells[i]
+        left = index[row, col - 1] if col > 0 else -1
+        if left >= 0 and edge_type[1, row, col] == _NON_BOUNDARY:
+            merge(parent, 4 * i, 4 * left + 1)
+            merge(parent, 4 * i + 3, 4 * left + 2)
+        below = index[row - 1, col] if row > 0 else -1
+        if below >= 0 and edge_type[0, row, col] == _NON_BOUNDARY:
+            merge(parent, 4 * i, 4 * below + 3)
+            merge(parent, 4 * i + 1, 4 * below + 2)
+    # A root is the smallest corner of its class, so vertices are numbered in raster order too.
+    vertex = np.full(4 * count, -1, np.int64)
+    corner_ids = np.empty((count, 4), np.int64)
+    lattice = np.empty((4 * count, 2))
+    vertex_count = 0
+    for i in range(count):
+        for c in range(4):
+            corner = root_of(parent, 4 * i + c)
+            if vertex[corner] < 0:
+                vertex[corner] = vertex_count
+                lattice[vertex_count, 0] = cells[i, 1] + corners[c, 0]
+                lattice[vertex_count, 1] = cells[i, 0] + corners[c, 1]
+                vertex_count += 1
+            corner_ids[i, c] = vertex[corner]
+    return cells, corner_ids, lattice[:vertex_count].copy()
+
+
+@njit(cache=True)
+def find_half_edges(cells, corner_ids, vertex_count, edge_type):
+    grid = edge_type.shape[1]
+    inside = np.zeros((grid, grid), np.bool_)
+    for i in range(len(cells)):
+        inside[cells[i, 0], cells[i, 1]] = True
+    size = 4 * len(cells)
+    cell, side = np.empty(size, np.int64), np.empty(size, np.int64)
+    start, end = np.empty(size, np.int64), np.empty(size, np.int64)
+    kinds = np.empty(size, np.int64)
+    leaving = np.full(vertex_count, -1, np.int64)
+    count = 0
+    for i in range(len(cells)):
+        row, col = cells[i]
+        for s in range(4):
+            if s == 0:
+                kind, near = edge_type[0, row, col], row > 0 and inside[row - 1, col]
+            elif s == 3:
+                kind, near = edge_type[1, row, col], col > 0 and inside[row, col - 1]
+            elif s == 1:
+                stored = col + 1 < grid
+                kind = edge_type[1, row, col + 1] if stored else _NON_STITCH
+                near = stored and inside[row, col + 1]
+            else:
+                stored = row + 1 < grid
+                kind = edge_type[0, row + 1, col] if stored else _NON_STITCH
+                near = stored and inside[row + 1, col]
+            if near and kind == _NON_BOUNDARY:
+                continue
+            cell[count], side[count], kinds[count] = i, s, kind
+            start[count], end[count] = corner_ids[i, s], corner_ids[i, (s + 1) % 4]
+            leaving[start[count]] = count
+            count += 1
+    following = np.empty(count, np.int64)
+    for k in range(count):
+        following[k] = leaving[end[k]]
+    return (
+        cell[:count].copy(),
+        side[:count].copy(),
+        start[:count].copy(),
+        end[:count].copy(),
+        kinds[:count].copy(),
+        following,
+    )

@@ -1,0 +1,27 @@
+"""Normal equations of unfolding, in compiled code."""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def normal_equations(start, end, wanted, positions, weight):
+    """Lower band of the normal matrix of Eq. 2, and its right-hand side."""
+    width = 0
+    for k in range(len(start)):
+        width = max(width, abs(start[k] - end[k]))
+    count = len(positions)
+    band = np.zeros((width + 1, count))
+    rhs = weight * positions
+    band[0] += weight
+    for k in range(len(start)):
+        i, j = start[k], end[k]
+        band[0, i] += 1
+        band[0, j] += 1
+        band[abs(i - j), min(i, j)] -= 1
+        for axis in range(2):
+            rhs[i, axis] -= wanted[k, axis]
+            rhs[j, axis] += wanted[k, axis]
+    return band, rhs
