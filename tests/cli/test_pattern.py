@@ -269,7 +269,7 @@ def test_a_bug_of_ours_asks_for_a_report(monkeypatch, capsys):
     def broken(path):
         raise KeyError("inner")
 
-    monkeypatch.setattr("garmentimage.pattern.files.spec.read_pattern", broken)
+    monkeypatch.setattr("garmentimage.pattern.files.read_pattern", broken)
     monkeypatch.delenv("GARMENTIMAGE_DEBUG", raising=False)
     code, out, err = run("check", DRESS, capsys=capsys)
     assert (code, out) == (3, "")
@@ -283,7 +283,7 @@ def test_ctrl_c_ends_with_130(monkeypatch, capsys):
     def interrupted(path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("garmentimage.pattern.files.spec.read_pattern", interrupted)
+    monkeypatch.setattr("garmentimage.pattern.files.read_pattern", interrupted)
     code, _, err = run("check", DRESS, capsys=capsys)
     assert code == 130
     assert_one_sentence(err, "stopped")

@@ -24,7 +24,6 @@ from garmentimage.metrics.roundtrip import (
 from garmentimage.pattern.files.spec import read_pattern, save_pattern
 from garmentimage.pattern.model import Pattern, Side, Stitch
 from garmentimage.raster.decode.decoder import decode
-from garmentimage.raster.encode import encoder as encode_module
 from garmentimage.raster.encode.encoder import encode
 from garmentimage.system.processes import Lost, map_in_processes
 from tests.compare.garments import (
@@ -141,7 +140,7 @@ def test_errors_are_told_in_the_report(skirt_file, monkeypatch):
     def too_small(pattern, grid):
         raise EncodeError("does not fit", grid=24)
 
-    monkeypatch.setattr(encode_module, "encode", too_small)
+    monkeypatch.setattr("garmentimage.raster.encode.encode", too_small)
     trip = roundtrip_file(skirt_file).with_marks
     assert (trip.stage, trip.error, trip.grid) == ("encode", "EncodeError", 24)
     assert not trip.success
