@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from numba import njit
 
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import polyline_length, signed_area
+from garmentimage.raster.encode.lattice._kernels_chords import chord_loss_kernel
 from garmentimage.raster.encode.layout import Layout, trunk_share
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
@@ -269,35 +269,5 @@ def chord_loss(curve: Float[np.ndarray, "n 2"], count: int) -> tuple[float, floa
     """What `count` even chords lose of a curve: length [cm], and area on its side [cm²]."""
     if len(curve) < 3 or count < 1:
         return 0.0, 0.0
-    lost, sliver = _chord_loss(np.ascontiguousarray(curve), count)
+    lost, sliver = chord_loss_kernel(np.ascontiguousarray(curve), count)
     return float(lost), float(sliver)
-
-
-@njit(cache=True)
-def _chord_loss(curve, count):  # type: ignore[no-untyped-def]
-    """`chord_loss` of a curve of three points or more, one chord or more."""
-    last = len(curve) - 1
-    along = np.zeros(last + 1)
-    for k in range(last):
-        step = np.hypot(curve[k + 1, 0] - curve[k, 0], curve[k + 1, 1] - curve[k, 1])
-        along[k + 1] = along[k] + step
-    x0, y0 = curve[0, 0], curve[0, 1]
-    area = 0.0
-    for k in range(last):
-        ax, ay = curve[k, 0] - x0, curve[k, 1] - y0
-        bx, by = curve[k + 1, 0] - x0, curve[k + 1, 1] - y0
-        area += ax * by - ay * bx
-    kept, k = 0.0, 0
-    px, py = 0.0, 0.0
-    for j in range(1, count + 1):
-        target = along[last] * j / count
-        while k < last - 1 and along[k + 1] < target:
-            k += 1
-        step = along[k + 1] - along[k]
-        share = min((target - along[k]) / step, 1.0) if step > 0.0 else 1.0
-        qx = curve[k, 0] + share * (curve[k + 1, 0] - curve[k, 0]) - x0
-        qy = curve[k, 1] + share * (curve[k + 1, 1] - curve[k, 1]) - y0
-        kept += np.hypot(qx - px, qy - py)
-        area -= px * qy - py * qx
-        px, py = qx, qy
-    return along[last] - kept, abs(area) / 2

@@ -14,8 +14,9 @@ from jaxtyping import Float
 
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import signed_area
+from garmentimage.raster.encode.layout._kernels import turned_load
 from garmentimage.raster.encode.layout.constraints import clearance_rows, facing_rows
-from garmentimage.raster.encode.layout.relax import Constrained, Energy, Rows, energy, turned_load
+from garmentimage.raster.encode.layout.relax import Constrained, Energy, Rows, energy
 from garmentimage.raster.encode.layout.samples import (
     REFINED,
     Resting,

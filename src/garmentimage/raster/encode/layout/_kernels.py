@@ -1,0 +1,105 @@
+"""Compiled parts of relaxation: the energy of all panels, and the load of a rigid step."""
+
+import numpy as np
+from numba import njit
+
+SPREAD = 0.2
+NEAR = 1.0
+"""[cm]"""
+SHORTEST = 0.2
+"""Neighbours closer together than this [cm] are no stiffer than at it."""
+
+
+@njit(cache=True)
+def _sample_lengths(following, rest):
+    """Step to the next sample, and the boundary length that each sample stands for."""
+    size = len(following)
+    step, length = np.empty(size), np.zeros(size)
+    for i in range(size):
+        j = following[i]
+        step[i] = np.hypot(rest[j, 0] - rest[i, 0], rest[j, 1] - rest[i, 1]) + 1e-6
+        length[i] += step[i] / 2
+        length[j] += step[i] / 2
+    return step, length
+
+
+@njit(cache=True)
+def _pair_weight(i, j, following, rest, step, length):
+    dx, dy = rest[i, 0] - rest[j, 0], rest[i, 1] - rest[j, 1]
+    weight = SPREAD * length[i] * length[j] / (dx * dx + dy * dy + NEAR * NEAR)
+    if following[i] == j:
+        weight += 1 / max(step[i], SHORTEST)
+    if following[j] == i:
+        weight += 1 / max(step[j], SHORTEST)
+    return weight
+
+
+@njit(cache=True)
+def assemble_energy(
+    matrix, load, anchor_load, ids, following, start, rest, stiffness, anchor, soft
+):
+    """Add every panel's energy to `matrix`, `load` and `anchor_load`."""
+    step, length = _sample_lengths(following, rest)
+    for p in range(len(start) - 1):
+        for i in range(start[p], start[p + 1]):
+            a = ids[i]
+            pull = anchor[p] * length[i]
+            matrix[a, a] += pull
+            anchor_load[a, 0] += pull * rest[i, 0]
+            anchor_load[a, 1] += pull * rest[i, 1]
+            for j in range(start[p], i):
+                c = ids[j]
+                if a == c:
+                    continue
+                w = stiffness[p] * _pair_weight(i, j, following, rest, step, length)
+                matrix[a, a] += w
+                matrix[c, c] += w
+                matrix[a, c] -= w
+                matrix[c, a] -= w
+                if not soft[p]:
+                    for axis in range(2):
+                        pull_apart = w * (rest[i, axis] - rest[j, axis])
+                        load[a, axis] += pull_apart
+                        load[c, axis] -= pull_apart
+
+
+@njit(cache=True)
+def turned_load(points, ids, following, start, rest, stiffness, soft):
+    """Load of an as-rigid-as-possible step: rest shapes turned as the points are now.
+
+    Source: Sorkine and Alexa, As-Rigid-As-Possible Surface Modeling, 2007; here the
+    neighbourhood of a sample is its whole panel, with the weights of the energy.
+    """
+    step, length = _sample_lengths(following, rest)
+    load = np.zeros_like(points)
+    size = len(ids)
+    cos, sin = np.ones(size), np.zeros(size)
+    for p in range(len(start) - 1):
+        if soft[p]:
+            continue
+        for i in range(start[p], start[p + 1]):
+            along, across = 0.0, 0.0
+            for j in range(start[p], start[p + 1]):
+                if i == j:
+                    continue
+                w = _pair_weight(i, j, following, rest, step, length)
+                ux, uy = rest[i, 0] - rest[j, 0], rest[i, 1] - rest[j, 1]
+                x = points[ids[i], 0] - points[ids[j], 0]
+                y = points[ids[i], 1] - points[ids[j], 1]
+                along += w * (x * ux + y * uy)
+                across += w * (y * ux - x * uy)
+            norm = np.hypot(along, across)
+            if norm > 0:
+                cos[i], sin[i] = along / norm, across / norm
+        for i in range(start[p], start[p + 1]):
+            for j in range(start[p], i):
+                if ids[i] == ids[j]:
+                    continue
+                w = stiffness[p] * _pair_weight(i, j, following, rest, step, length)
+                c, s = (cos[i] + cos[j]) / 2, (sin[i] + sin[j]) / 2
+                ux, uy = rest[i, 0] - rest[j, 0], rest[i, 1] - rest[j, 1]
+                load[ids[i], 0] += w * (c * ux - s * uy)
+                load[ids[i], 1] += w * (s * ux + c * uy)
+                load[ids[j], 0] -= w * (c * ux - s * uy)
+                load[ids[j], 1] -= w * (s * ux + c * uy)
+    return load
