@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from garmentimage.metrics.roundtrip import kind_of
+from garmentimage.metrics.roundtrip import garment_kind
 
 ROOT = Path(__file__).parents[1]
 PATTERNS = "patterns/dev_patterns.tar.xz"
@@ -60,7 +60,7 @@ def sample(files: list[Path], count: int) -> list[Path]:
     """`count` of `files` by rule: at least one of each kind, the rest in proportion."""
     kinds: dict[str, list[Path]] = {}
     for path in sorted(files):
-        kinds.setdefault(kind_of(path), []).append(path)
+        kinds.setdefault(garment_kind(path), []).append(path)
     spare = max(count - len(kinds), 0)
     wished = {kind: spare * len(paths) / len(files) for kind, paths in kinds.items()}
     quota = {kind: 1 + int(wish) for kind, wish in wished.items()}

@@ -10,8 +10,8 @@ from PIL import Image
 from garmentimage.cli.app import main
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.evaluate.prompts import EXTREME, PROMPTS, is_asked
-from garmentimage.metrics.preserved import kept
-from garmentimage.metrics.shape_attributes import traits
+from garmentimage.metrics.preserved import preserved_iou
+from garmentimage.metrics.shape_attributes import measure_shape
 
 DRESS, TROUSERS = draft_pattern("one-panel-dress"), draft_pattern("top-pants")
 BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}
@@ -43,7 +43,7 @@ BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}
     ],
 )
 def test_a_prompt_holds_of_what_it_asks_for_and_is_asked_only_of_others(text, start, end):
-    prompt, before, after = BY_TEXT[text], traits(start), traits(end)
+    prompt, before, after = BY_TEXT[text], measure_shape(start), measure_shape(end)
     assert is_asked(prompt, before) and prompt.holds(before, after)
     assert not prompt.holds(before, before)
     if prompt.group != "geometry":
@@ -59,12 +59,12 @@ def test_there_are_twelve_prompts_in_three_groups():
 def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
     longer = draft_pattern("one-panel-dress", body_length=70)
     sleeved = draft_pattern("one-panel-dress", sleeves="set-in", sleeve_length=1.0)
-    assert kept(BY_TEXT["long"].touches, DRESS, longer) > 0.99
-    assert kept(BY_TEXT["long sleeves"].touches, DRESS, longer) < 0.9
-    assert kept(BY_TEXT["long sleeves"].touches, DRESS, sleeved) > 0.97
-    assert kept(BY_TEXT["long"].touches, DRESS, sleeved) < 0.9
-    assert kept(BY_TEXT["pants"].touches, DRESS, None) == 0
-    assert kept(BY_TEXT["pants"].touches, DRESS, DRESS) == pytest.approx(1)
+    assert preserved_iou(BY_TEXT["long"].touches, DRESS, longer) > 0.99
+    assert preserved_iou(BY_TEXT["long sleeves"].touches, DRESS, longer) < 0.9
+    assert preserved_iou(BY_TEXT["long sleeves"].touches, DRESS, sleeved) > 0.97
+    assert preserved_iou(BY_TEXT["long"].touches, DRESS, sleeved) < 0.9
+    assert preserved_iou(BY_TEXT["pants"].touches, DRESS, None) == 0
+    assert preserved_iou(BY_TEXT["pants"].touches, DRESS, DRESS) == pytest.approx(1)
 
 
 @pytest.mark.slow
@@ -134,6 +134,6 @@ def test_networks_that_will_not_do_are_told_before_the_work(
 
 
 def test_a_garment_that_is_wide_already_is_not_asked_to_be_wide():
-    wide = traits(draft_pattern("one-panel-dress", flare=0.5))
+    wide = measure_shape(draft_pattern("one-panel-dress", flare=0.5))
     assert not is_asked(BY_TEXT["wide"], wide) and is_asked(BY_TEXT["narrow"], wide)
     assert is_asked(BY_TEXT["wide"], replace(wide, width=50.0))

@@ -14,8 +14,8 @@ from garmentimage.examples import example_path
 from garmentimage.metrics.report import report_to_json
 from garmentimage.metrics.roundtrip import (
     FileReport,
-    Trip,
-    kind_of,
+    RoundTrip,
+    garment_kind,
     roundtrip_file,
     roundtrip_many,
     summarise,
@@ -169,8 +169,8 @@ def test_a_manifest_tells_designs_with_a_collar(tmp_path):
     folder.mkdir()
     made_of = [{"id": "tee", "collar_panels": 0}, {"id": "polo", "collar_panels": 2}]
     (tmp_path / "designs_manifest.json").write_text(json.dumps(made_of))
-    assert kind_of(folder / "tee.json") == "designs"
-    assert kind_of(folder / "polo.json") == "designs, collar or lapel"
+    assert garment_kind(folder / "tee.json") == "designs"
+    assert garment_kind(folder / "polo.json") == "designs, collar or lapel"
 
 
 def result_with(*, success, iou):
@@ -180,9 +180,9 @@ def result_with(*, success, iou):
 
 @pytest.fixture
 def reports():
-    good = Trip(result_with(success=True, iou={"a": 1.0, "b": 0.98}), times={"encode": 0.05})
-    poor = Trip(result_with(success=False, iou={"a": 0.6}), times={"encode": 0.15})
-    error = Trip(stage="encode", error="EncodeError", message="does not fit", grid=24)
+    good = RoundTrip(result_with(success=True, iou={"a": 1.0, "b": 0.98}), times={"encode": 0.05})
+    poor = RoundTrip(result_with(success=False, iou={"a": 0.6}), times={"encode": 0.15})
+    error = RoundTrip(stage="encode", error="EncodeError", message="does not fit", grid=24)
     return [
         FileReport("x/1.json", "x", good, poor, cut_panels=1),
         FileReport("x/2.json", "x", poor, poor),

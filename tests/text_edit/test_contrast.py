@@ -3,7 +3,7 @@
 import pytest
 
 from garmentimage.draft.kinds import draft_pattern
-from garmentimage.text_edit.source_prompt import contrast, nearest_phrase
+from garmentimage.text_edit.source_prompt import edit_prompts, nearest_phrase
 
 pytestmark = pytest.mark.slow  # the sentence encoder loads for some seconds
 DRESS = draft_pattern("one-panel-dress", body_length=55)
@@ -28,12 +28,12 @@ TROUSERS = draft_pattern("top-pants", leg_length=0.3)
     ],
 )
 def test_a_text_is_set_against_what_is_true_in_its_aspect(pattern, text, true):
-    assert contrast(pattern, text) == (text, true)
+    assert edit_prompts(pattern, text) == (text, true)
 
 
 def test_what_is_said_of_skirts_and_of_legs_alike_is_told_with_what_the_garment_has():
-    assert contrast(DRESS, "long") == ("long, skirt", "knee-length, skirt")
-    assert contrast(TROUSERS, "longer") == ("longer, pants", "short, pants")
+    assert edit_prompts(DRESS, "long") == ("long, skirt", "knee-length, skirt")
+    assert edit_prompts(TROUSERS, "longer") == ("longer, pants", "short, pants")
 
 
 def test_texts_are_near_to_what_is_said_of_garments_or_strange():

@@ -14,7 +14,7 @@ from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import LearnError
 from garmentimage.latent.space import EVEN_CM
 from garmentimage.raster.image import mirrored_channels
-from garmentimage.text_edit.editor import TextEditor, checked_text, denoiser_guidance
+from garmentimage.text_edit.editor import TextEditor, denoiser_guidance, normalised_text
 from garmentimage.text_edit.guidance import ScoreDistillation
 
 pytestmark = pytest.mark.slow
@@ -192,7 +192,7 @@ def test_networks_of_other_sizes_do_not_go_together(trained):
 
 
 def test_texts_are_taken_in_one_line():
-    assert checked_text("  long\n sleeves ") == "long sleeves"
+    assert normalised_text("  long\n sleeves ") == "long sleeves"
 
 
 def test_any_guidance_will_do(trained, dress):

@@ -6,8 +6,8 @@ import torch
 
 from garmentimage.errors import LearnError
 from garmentimage.learn.models.denoiser import Denoiser, DenoiserConfig
-from garmentimage.text_edit.guidance import Schedule, ScoreDistillation, descent
-from garmentimage.text_edit.pixel_diffusion import SmallDiffusion
+from garmentimage.text_edit.guidance import NoiseSchedule, ScoreDistillation, optimise_latent
+from garmentimage.text_edit.pixel_diffusion import PixelDiffusion
 
 
 class Wanting:
@@ -36,7 +36,7 @@ class Wanting:
 def test_a_picture_goes_where_the_model_knows_what_is_said():
     model = Wanting()
     guidance = ScoreDistillation(model, scale=1.0)
-    z = descent(
+    z = optimise_latent(
         torch.zeros(3 * 8 * 8),
         lambda z: (0.5 + 0.5 * z).reshape(-1, 3, 8, 8),
         guidance,
@@ -51,7 +51,7 @@ def test_a_picture_goes_where_the_model_knows_what_is_said():
 def test_a_stronger_pull_keeps_a_picture_nearer_to_its_start():
     guidance = ScoreDistillation(Wanting(), scale=1.0)
     ends = [
-        descent(
+        optimise_latent(
             torch.zeros(3 * 8 * 8),
             lambda z: (0.5 + 0.5 * z).reshape(-1, 3, 8, 8),
             guidance,
@@ -113,13 +113,13 @@ def test_the_same_seed_gives_the_same_gradient():
 
 
 def test_times_fall_from_first_to_last():
-    schedule = Schedule(0.8, 0.2, 0.05)
+    schedule = NoiseSchedule(0.8, 0.2, 0.05)
     generator = torch.Generator().manual_seed(0)
     early, late = (schedule.drawn(done, 100, generator) for done in (0.0, 1.0))
     assert early.min() >= 0.75 and early.max() <= 0.85
     assert late.min() >= 0.15 and late.max() <= 0.25
     with pytest.raises(LearnError, match="times of noise are more than 0"):
-        Schedule(0.2, 0.8)
+        NoiseSchedule(0.2, 0.8)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_the_small_model_sees_other_noise_where_a_text_is_told(tmp_path):
     for block in (*made.down, *made.up):
         torch.nn.init.normal_(block.conv2.weight, std=0.1)
     made.save_pretrained(tmp_path / "model")
-    model = SmallDiffusion(tmp_path / "model")
+    model = PixelDiffusion(tmp_path / "model")
     times = torch.tensor([0.2, 0.9])
     noisy = torch.randn(2, 3, 16, 16)
     said, unsaid = (model.noise(noisy, times, model.told(text)) for text in ("long sleeves", ""))

@@ -8,9 +8,9 @@ import torch
 
 import garmentimage as gi
 from garmentimage.draft.kinds import draft_pattern
-from garmentimage.text_edit.editor import moved
-from garmentimage.text_edit.guidance import descent
-from garmentimage.text_edit.keep_mask import staying
+from garmentimage.text_edit.editor import run_edit
+from garmentimage.text_edit.guidance import optimise_latent
+from garmentimage.text_edit.keep_mask import keep_mask
 
 DRESS = draft_pattern("one-panel-dress", cutout="none", body_length=45)
 SLEEVED = draft_pattern(
@@ -30,7 +30,7 @@ def test_garments_that_differ_in_what_a_text_touches_differ_mostly_where_nothing
 ):
     changed = cloth(DRESS) != cloth(other)
     assert changed.sum() > 60
-    assert changed[staying(touched, 64)].sum() < 0.4 * changed.sum()
+    assert changed[keep_mask(touched, 64)].sum() < 0.4 * changed.sum()
 
 
 class Pushing:
@@ -46,7 +46,7 @@ class Pushing:
 def test_what_is_held_stays_while_the_rest_goes_where_it_is_pushed():
     held = torch.zeros(8, 8)
     held[4:] = 5.0
-    ends = descent(
+    ends = optimise_latent(
         torch.zeros(3 * 8 * 8),
         lambda z: (0.5 + 0.5 * z + 0.1 * z.sum(1, keepdim=True) / 10).reshape(-1, 3, 8, 8),
         Pushing(),
@@ -65,10 +65,10 @@ def test_an_edit_holds_what_its_text_does_not_touch_and_more_so_with_less_streng
     pictures = SimpleNamespace(
         draw=lambda z: (0.5 + 0.5 * z).reshape(-1, 3, 8, 8), config=SimpleNamespace(picture=8)
     )
-    staying_now = torch.from_numpy(staying(touched, 8))
+    staying_now = torch.from_numpy(keep_mask(touched, 8))
 
     def changes(touched, strength):
-        z = moved(
+        z = run_edit(
             torch.zeros(3 * 8 * 8), pictures, Pushing(), "white", "",
             strength=strength, steps=100, touched=touched,
         )  # fmt: skip

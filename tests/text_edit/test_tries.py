@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 from garmentimage.draft.kinds import draft_pattern
-from garmentimage.metrics.shape_attributes import traits
-from garmentimage.text_edit.best_of import FURTHER, MOST_TRIES, best_try
-from garmentimage.text_edit.goal import Asked, asked
+from garmentimage.metrics.shape_attributes import measure_shape
+from garmentimage.text_edit.best_of import GUIDANCE_BOOSTS, MAX_ATTEMPTS, best_attempt
+from garmentimage.text_edit.goal import EditGoal, parse_goal
 
 DRESS = draft_pattern("one-panel-dress", body_length=55)
 LONGER = draft_pattern("one-panel-dress", body_length=75)
@@ -37,7 +37,7 @@ LONG_TROUSERS = draft_pattern("top-pants", leg_length=1.0)
     ],
 )
 def test_geometry_tells_whether_what_a_phrase_asks_for_is_done(phrase, before, after, is_done):
-    assert Asked(phrase).is_done(traits(before), traits(after)) is is_done
+    assert EditGoal(phrase).is_done(measure_shape(before), measure_shape(after)) is is_done
 
 
 @pytest.mark.slow
@@ -53,7 +53,7 @@ def test_geometry_tells_whether_what_a_phrase_asks_for_is_done(phrase, before, a
     ],
 )
 def test_texts_that_mean_one_phrase_that_geometry_can_tell_are_looked_at(text, phrase):
-    found = asked(text)
+    found = parse_goal(text)
     assert (found.phrase if found else None) == phrase
 
 
@@ -64,10 +64,12 @@ def made(pattern, faults=()):
 @pytest.fixture
 def attempts(monkeypatch):
     """Edits that come out as they are told to; the text is "long sleeves"."""
-    monkeypatch.setattr("garmentimage.text_edit.best_of.asked", lambda text: Asked("long sleeves"))
+    monkeypatch.setattr(
+        "garmentimage.text_edit.best_of.parse_goal", lambda text: EditGoal("long sleeves")
+    )
     seen = []
 
-    def trying(*results, tries=MOST_TRIES):
+    def trying(*results, tries=MAX_ATTEMPTS):
         left = iter(results)
 
         def attempt(further, touched):
@@ -75,7 +77,7 @@ def attempts(monkeypatch):
             seen.append(further)
             return next(left)
 
-        return best_try(DRESS, "long sleeves", attempt, tries), seen
+        return best_attempt(DRESS, "long sleeves", attempt, tries), seen
 
     return trying
 
@@ -88,7 +90,7 @@ TOO_MUCH = draft_pattern("one-panel-dress", body_length=80, sleeves="set-in", sl
 def test_the_first_good_try_is_kept_and_the_text_pushes_further_until_there_is_one(attempts):
     best, seen = attempts(made(DRESS), made(GOOD))
     assert (best.number, best.count, best.done) == (1, 2, True)
-    assert seen == list(FURTHER[:2])
+    assert seen == list(GUIDANCE_BOOSTS[:2])
 
 
 def test_a_garment_that_cannot_be_sewn_is_made_anew(attempts):
@@ -107,7 +109,7 @@ def test_what_was_never_done_is_said_to_be_so_and_stays_most_as_it_was(attempts)
 
 
 def test_what_geometry_cannot_tell_is_tried_once_and_pushed_as_usual(monkeypatch):
-    monkeypatch.setattr("garmentimage.text_edit.best_of.asked", lambda text: None)
+    monkeypatch.setattr("garmentimage.text_edit.best_of.parse_goal", lambda text: None)
     seen = []
 
     def attempt(further, touched):
@@ -115,6 +117,6 @@ def test_what_geometry_cannot_tell_is_tried_once_and_pushed_as_usual(monkeypatch
         seen.append(further)
         return made(GOOD)
 
-    best = best_try(DRESS, "V-neck", attempt, MOST_TRIES)
+    best = best_attempt(DRESS, "V-neck", attempt, MAX_ATTEMPTS)
     assert (best.count, best.done) == (1, None)
     assert seen == [1.0]

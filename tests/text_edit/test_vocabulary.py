@@ -5,19 +5,19 @@ import pytest
 from garmentimage.dataset.wording import every_phrase
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.prompts import PROMPTS
-from garmentimage.text_edit.vocabulary import check_known, words_of
+from garmentimage.text_edit.vocabulary import check_known, split_words
 
 
 @pytest.mark.parametrize("text", [*every_phrase(), *(prompt.text for prompt in PROMPTS)])
 def test_all_that_was_said_in_training_is_known(text):
-    assert words_of(text).known and not words_of(text).unknown
+    assert split_words(text).known and not split_words(text).unknown
 
 
 @pytest.mark.parametrize(
     "text", ["make it wider", "slimmer trousers, please", "Tighter!", "add a sleeve", "shortest"]
 )
 def test_other_forms_of_known_words_are_known(text):
-    assert words_of(text).known and not words_of(text).unknown
+    assert split_words(text).known and not split_words(text).unknown
 
 
 @pytest.mark.parametrize("text", ["pockets", "a red one", "remove the buttons", "zipper", "poches"])

@@ -358,23 +358,25 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
     from garmentimage.latent import LatentSpace
     from garmentimage.networks import network_folder
     from garmentimage.text_edit import (
-        DENOISER,
-        MOST_TRIES,
-        PICTURES,
-        SPACE,
-        STEPS_USUAL,
-        check_amounts,
+        DEFAULT_DENOISER,
+        DEFAULT_IMAGE_DECODER,
+        DEFAULT_SPACE,
+        DEFAULT_STEPS,
+        MAX_ATTEMPTS,
+        check_options,
         denoiser_names,
-        picture_names,
+        image_decoder_names,
     )
 
-    pictures = network_folder(options.pictures or PICTURES, picture_names(), "picture network")
-    denoiser = network_folder(options.denoiser or DENOISER, denoiser_names(), "denoiser")
-    space = LatentSpace.load(options.space or SPACE).folder
-    steps = STEPS_USUAL if options.steps is None else options.steps
+    pictures = network_folder(
+        options.pictures or DEFAULT_IMAGE_DECODER, image_decoder_names(), "picture network"
+    )
+    denoiser = network_folder(options.denoiser or DEFAULT_DENOISER, denoiser_names(), "denoiser")
+    space = LatentSpace.load(options.space or DEFAULT_SPACE).folder
+    steps = DEFAULT_STEPS if options.steps is None else options.steps
     strength = 1.0 if options.strength is None else options.strength
-    tries = MOST_TRIES if options.tries is None else options.tries
-    check_amounts(strength, steps, tries)
+    tries = MAX_ATTEMPTS if options.tries is None else options.tries
+    check_options(strength, steps, tries)
     common: dict[str, Any] = {
         "data": str(options.data), "denoiser": str(denoiser), "strength": strength, "steps": steps,
         "tries": tries,

@@ -74,25 +74,25 @@ def run_edit(options: argparse.Namespace) -> Exit:
     from tqdm import tqdm
 
     from garmentimage.text_edit import (
-        MOST_TRIES,
-        PICTURES,
-        SPACE,
-        STEPS_USUAL,
+        DEFAULT_IMAGE_DECODER,
+        DEFAULT_SPACE,
+        DEFAULT_STEPS,
+        MAX_ATTEMPTS,
         TextEditor,
-        check_amounts,
-        checked_text,
+        check_options,
+        normalised_text,
     )
 
-    text = checked_text(options.text)
-    steps = STEPS_USUAL if options.steps is None else options.steps
-    tries = MOST_TRIES if options.tries is None else options.tries
-    check_amounts(options.strength, steps, tries)
+    text = normalised_text(options.text)
+    steps = DEFAULT_STEPS if options.steps is None else options.steps
+    tries = MAX_ATTEMPTS if options.tries is None else options.tries
+    check_options(options.strength, steps, tries)
     _check_results(options.out, options.garment)
     if options.guidance == "small":  # so small that threads would mostly wait for each other,
         torch.set_num_threads(1)  # and a result would depend on how many there are
     editor = TextEditor.load(
-        SPACE if options.space is None else options.space,
-        PICTURES if options.pictures is None else options.pictures,
+        DEFAULT_SPACE if options.space is None else options.space,
+        DEFAULT_IMAGE_DECODER if options.pictures is None else options.pictures,
     )
     given = read_given(editor.space, options.garment, options.order)
     guidance = _guidance(options, text)
@@ -130,12 +130,12 @@ def _check_results(out: Path, garment: Path) -> None:
 
 
 def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
-    from garmentimage.text_edit import checked_text, denoiser_guidance, stable_guidance
+    from garmentimage.text_edit import denoiser_guidance, normalised_text, stable_guidance
 
     if options.negative:
-        checked_text(options.negative)
+        normalised_text(options.negative)
     if options.wrap is not None:
-        checked_text(options.wrap.replace("{}", text))
+        normalised_text(options.wrap.replace("{}", text))
     told: dict[str, Any] = {
         name: value
         for name, value in (
@@ -148,14 +148,14 @@ def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
     if options.guidance == "sd":
         return stable_guidance(options.model, seed=options.seed, **told)
     guidance, (near, phrase) = denoiser_guidance(options.model, text, seed=options.seed, **told)
-    from garmentimage.text_edit import FAMILIAR, named, words_of
+    from garmentimage.text_edit import MIN_FAMILIARITY, list_words, split_words
 
-    if unknown := words_of(text).unknown:
+    if unknown := split_words(text).unknown:
         say(
-            f"warning: the networks do not know {named(unknown)}; what the text {quoted(text)} "
-            "says of that is left out or misunderstood"
+            f"warning: the networks do not know {list_words(unknown)}; what the text "
+            f"{quoted(text)} says of that is left out or misunderstood"
         )
-    if near < FAMILIAR:
+    if near < MIN_FAMILIARITY:
         say(
             f"warning: the text {quoted(text)} is far from all that the network was told of "
             f"garments, in English; nearest is {quoted(phrase)}; expect little"

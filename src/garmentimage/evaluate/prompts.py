@@ -8,16 +8,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from garmentimage.metrics import Touched, Traits
+from garmentimage.metrics import EditedRegion, ShapeAttributes
 from garmentimage.text_edit import (
     LONG_CM,
     LONG_SLEEVE_CM,
-    LONGER_CM,
+    MIN_LENGTH_CHANGE_CM,
+    MIN_WIDTH_RATIO,
     NARROW_CM,
     SHORT_CM,
     SHORT_SLEEVE_CM,
     WIDE_CM,
-    WIDER,
 )
 
 
@@ -27,9 +27,9 @@ class Prompt:
 
     text: str
     group: Literal["topology", "parts", "geometry"]
-    touches: Touched
+    touches: EditedRegion
     """Where the garment may change."""
-    holds: Callable[[Traits, Traits], bool]
+    holds: Callable[[ShapeAttributes, ShapeAttributes], bool]
     """Whether a garment, the second, is what the text makes of the first."""
 
 
@@ -46,13 +46,29 @@ PROMPTS = (
         lambda a, b: b.sleeves is not None and b.sleeves <= SHORT_SLEEVE_CM,
     ),
     Prompt("sleeveless", "parts", "sleeves", lambda a, b: b.sleeves is None),
-    Prompt("long", "geometry", "below the waist", lambda a, b: b.length >= a.length + LONGER_CM),
-    Prompt("short", "geometry", "below the waist", lambda a, b: b.length <= a.length - LONGER_CM),
-    Prompt("wide", "geometry", "below the waist", lambda a, b: b.width >= a.width * WIDER),
-    Prompt("narrow", "geometry", "below the waist", lambda a, b: b.width <= a.width / WIDER),
-    Prompt("flared", "geometry", "below the waist", lambda a, b: b.width >= a.width * WIDER),
+    Prompt(
+        "long",
+        "geometry",
+        "below the waist",
+        lambda a, b: b.length >= a.length + MIN_LENGTH_CHANGE_CM,
+    ),
+    Prompt(
+        "short",
+        "geometry",
+        "below the waist",
+        lambda a, b: b.length <= a.length - MIN_LENGTH_CHANGE_CM,
+    ),
+    Prompt(
+        "wide", "geometry", "below the waist", lambda a, b: b.width >= a.width * MIN_WIDTH_RATIO
+    ),
+    Prompt(
+        "narrow", "geometry", "below the waist", lambda a, b: b.width <= a.width / MIN_WIDTH_RATIO
+    ),
+    Prompt(
+        "flared", "geometry", "below the waist", lambda a, b: b.width >= a.width * MIN_WIDTH_RATIO
+    ),
 )
-EXTREME: dict[str, Callable[[Traits], bool]] = {
+EXTREME: dict[str, Callable[[ShapeAttributes], bool]] = {
     "long": lambda t: t.length > LONG_CM[t.legs],
     "short": lambda t: t.length < SHORT_CM[t.legs],
     "wide": lambda t: t.width > WIDE_CM[t.legs],
@@ -62,7 +78,7 @@ EXTREME: dict[str, Callable[[Traits], bool]] = {
 """Garments that are so already, of which it is not asked."""
 
 
-def is_asked(prompt: Prompt, start: Traits) -> bool:
+def is_asked(prompt: Prompt, start: ShapeAttributes) -> bool:
     """Whether a prompt asks a garment for a change."""
     if prompt.group == "geometry":
         return not EXTREME[prompt.text](start)

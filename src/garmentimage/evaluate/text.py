@@ -23,19 +23,19 @@ from garmentimage.latent import LatentSpace
 from garmentimage.learn import load_weights
 from garmentimage.learn.data import embedded
 from garmentimage.learn.models import ImageDecoder
-from garmentimage.metrics import Touched, interval, kept, traits
+from garmentimage.metrics import EditedRegion, interval, measure_shape, preserved_iou
 from garmentimage.networks import Step
 from garmentimage.pattern import Pattern
 from garmentimage.system import shown_path, weights_hash
 from garmentimage.text_edit import (
-    MOST_TRIES,
-    SETTLE,
-    STEPS_USUAL,
-    best_try,
+    DEFAULT_STEPS,
+    MAX_ATTEMPTS,
+    REPROJECTIONS,
+    best_attempt,
     check_pair,
-    contrast,
     denoiser_guidance,
-    moved,
+    edit_prompts,
+    run_edit,
 )
 
 SEED = 50
@@ -56,8 +56,8 @@ class Editing:
     pictures: str = ""
     denoiser: str = ""
     strength: float = 1.0
-    steps: int = STEPS_USUAL
-    tries: int = MOST_TRIES
+    steps: int = DEFAULT_STEPS
+    tries: int = MAX_ATTEMPTS
 
 
 @dataclass(frozen=True)
@@ -134,13 +134,13 @@ def measured(item: Item) -> dict[str, Any]:
     began = perf_counter()
     end, fault = edited(item.editing, start, prompt.text)
     took = perf_counter() - began
-    before, after = traits(start), traits(end)
+    before, after = measure_shape(start), measure_shape(end)
     assert before is not None  # `_items` asks of such garments only
     return {
         "prompt": prompt.text,
         "group": prompt.group,
         "done": after is not None and prompt.holds(before, after),
-        "kept": kept(prompt.touches, start, end),
+        "kept": preserved_iou(prompt.touches, start, end),
         "valid": seen(end, fault).valid,
         "seconds": round(took, 2),
         "before": asdict(before),
@@ -179,10 +179,10 @@ def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> Step:
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
-    told, said = contrast(start, text)
+    told, said = edit_prompts(start, text)
 
-    def attempt(further: float, touched: Touched | None) -> Step:
-        found = moved(
+    def attempt(further: float, touched: EditedRegion | None) -> Step:
+        found = run_edit(
             torch.from_numpy(np.asarray(z, np.float32)),
             _pictures(editing.pictures),
             guidance,
@@ -193,9 +193,9 @@ def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: s
             further=further,
             touched=touched,
         )
-        return codec.step(codec.settled(found.numpy(), SETTLE))
+        return codec.step(codec.settled(found.numpy(), REPROJECTIONS))
 
-    return best_try(start, text, attempt, editing.tries).step
+    return best_attempt(start, text, attempt, editing.tries).step
 
 
 def _check(editing: Editing) -> None:
@@ -232,7 +232,7 @@ def asked_of(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
     """Numbers of garments, and the prompts that ask a change of them."""
     return [
         (number, prompt)
-        for number, start in enumerate(traits(pattern) for pattern in garments)
+        for number, start in enumerate(measure_shape(pattern) for pattern in garments)
         for prompt in PROMPTS
         if start and is_asked(prompt, start)
     ]

@@ -3,11 +3,11 @@ from .intervals import (
     interval as interval,
 )
 from .preserved import (
-    Touched as Touched,
-    kept as kept,
+    EditedRegion as EditedRegion,
+    preserved_iou as preserved_iou,
 )
 from .published import (
-    LEAST_EDGES as LEAST_EDGES,
+    MIN_EDGES as MIN_EDGES,
     PADDING_ATOL as PADDING_ATOL,
     Slots as Slots,
     published_figures as published_figures,
@@ -22,16 +22,16 @@ from .report import (
 from .roundtrip import (
     FileReport as FileReport,
     KindSummary as KindSummary,
-    Trip as Trip,
-    kind_of as kind_of,
+    RoundTrip as RoundTrip,
+    garment_kind as garment_kind,
     roundtrip_file as roundtrip_file,
     roundtrip_many as roundtrip_many,
     summarise as summarise,
     summary_table as summary_table,
 )
 from .shape_attributes import (
-    Traits as Traits,
-    traits as traits,
+    ShapeAttributes as ShapeAttributes,
+    measure_shape as measure_shape,
 )
 from .similarity import (
     Likeness as Likeness,

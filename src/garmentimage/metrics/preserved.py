@@ -6,19 +6,19 @@ import numpy as np
 
 from garmentimage.body import measurements
 from garmentimage.compare import drawing_faults
-from garmentimage.metrics.shape_attributes import placed_panels
+from garmentimage.metrics.shape_attributes import panels_at_body
 from garmentimage.pattern import Pattern
 
 if TYPE_CHECKING:
     from shapely import Geometry
 
-LEAST_PIECE = 100.0
+MIN_AREA_CM2 = 100.0
 """Pieces of a panel above the waist that are smaller are not looked at [cm2]."""
 
-Touched = Literal["sleeves", "below the waist"]
+EditedRegion = Literal["sleeves", "below the waist"]
 
 
-def kept(touched: Touched, start: Pattern, end: Pattern | None) -> float:
+def preserved_iou(touched: EditedRegion, start: Pattern, end: Pattern | None) -> float:
     """How much of what an edit is not about stays: the mean IoU of the panels there.
 
     Where sleeves may change, all panels but them are looked at, else all that is of any panel above
@@ -36,7 +36,7 @@ def kept(touched: Touched, start: Pattern, end: Pattern | None) -> float:
         return 0.0
     ious: list[float] = []
     for is_front in (True, False):
-        one, two = (_staying(pattern, touched, is_front) for pattern in (start, end))
+        one, two = (_frozen_region(pattern, touched, is_front) for pattern in (start, end))
         shared = np.array(
             [[shapely.intersection(a, b).area / shapely.union(a, b).area for b in two] for a in one]
         ).reshape(len(one), len(two))
@@ -45,20 +45,20 @@ def kept(touched: Touched, start: Pattern, end: Pattern | None) -> float:
     return float(np.mean(ious)) if ious else 1.0
 
 
-def _staying(pattern: Pattern, touched: Touched, is_front: bool) -> "list[Geometry]":
+def _frozen_region(pattern: Pattern, touched: EditedRegion, is_front: bool) -> "list[Geometry]":
     """What of each panel should stay, its centroid at the origin, before the body or behind it."""
     import shapely
     import shapely.affinity
 
     above = shapely.box(-400, measurements("mean-female").waist_height, 400, 400)
     found = []
-    for placed in placed_panels(pattern):
+    for placed in panels_at_body(pattern):
         if placed.is_front != is_front or (touched == "sleeves" and placed.is_sleeve):
             continue
         cloth = shapely.make_valid(shapely.Polygon(placed.outline))
         if touched != "sleeves":
             cloth = shapely.intersection(cloth, above)
-        if cloth.area > LEAST_PIECE:
+        if cloth.area > MIN_AREA_CM2:
             x, y = cloth.centroid.x, cloth.centroid.y
             found.append(shapely.affinity.translate(cloth, -x, -y))
     return found

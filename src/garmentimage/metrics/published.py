@@ -25,13 +25,13 @@ from garmentimage.errors import PatternError, quoted
 from garmentimage.geometry import centroid
 from garmentimage.pattern import Edge, Loop, Panel, Pattern, Quadratic, Side
 
-SLOT_EDGES = 14
+MAX_SLOT_EDGES = 14
 """Most edges of a panel in those codes."""
 PADDING_ATOL = 0.07
 """How near to padding, in standardised units, a row counts as padding."""
 CLOSED_CM = 3.0
 """A loop that misses its start by more, in x or in y, has one more edge [cm]."""
-LEAST_EDGES = 3
+MIN_EDGES = 3
 """A panel has this many, or it is none."""
 STRAIGHT = 1e-6
 
@@ -57,7 +57,7 @@ class Slots:
 def slots_of(
     pattern: Pattern,
     names: Sequence[str],
-    edges: int = SLOT_EDGES,
+    edges: int = MAX_SLOT_EDGES,
     *,
     like: Pattern | None = None,
 ) -> Slots:
@@ -77,8 +77,8 @@ def slots_of(
             or a stitch that names nothing.
         ValueError: a slot has two names, or none.
     """
-    if len(set(names)) != len(names) or edges < LEAST_EDGES:
-        raise ValueError(f"slots need names of their own, and {LEAST_EDGES} edges or more")
+    if len(set(names)) != len(names) or edges < MIN_EDGES:
+        raise ValueError(f"slots need names of their own, and {MIN_EDGES} edges or more")
     if faults := stitch_faults(pattern):
         raise PatternError(faults[0])
     if like is not None:
@@ -233,7 +233,7 @@ def published_figures(
         raise ValueError(f"{len(truths)} true patterns and {len(found)} found ones; give as many")
     if len({each.edges.shape for each in (*truths, *found)}) > 1:
         raise ValueError("patterns are not all of the same slots")
-    if not all(max(each.counts, default=0) >= LEAST_EDGES for each in truths):
+    if not all(max(each.counts, default=0) >= MIN_EDGES for each in truths):
         raise ValueError("a true pattern has no panels")
     return modes[mode]()
 
@@ -255,11 +255,11 @@ def _slotwise(
         shapes += [
             _shape_distance(truth.edges[k][:n], other.edges[k][:n])
             for k, n in enumerate(counts)
-            if n >= LEAST_EDGES
+            if n >= MIN_EDGES
         ]
-        panels = sum(n >= LEAST_EDGES for n in counts)
-        right.append(panels == sum(n >= LEAST_EDGES for n in seen))
-        agree = sum(n >= LEAST_EDGES and n == m for n, m in zip(counts, seen))
+        panels = sum(n >= MIN_EDGES for n in counts)
+        right.append(panels == sum(n >= MIN_EDGES for n in seen))
+        agree = sum(n >= MIN_EDGES and n == m for n, m in zip(counts, seen))
         shares.append(agree / panels)
         scores.append(_stitch_scores(truth.stitches, other.stitches))
     precision, recall, f1 = (_mean(values) for values in zip(*scores))
@@ -297,8 +297,8 @@ def _norms(truths: Sequence[Slots], found: Sequence[Slots], name: str) -> list[f
 def _by_order(truths: Sequence[Slots], found: Sequence[Slots]) -> dict[str, float]:
     shapes, right, shares, rotations, translations, recall = [], [], [], [], [], []
     for truth, other in zip(truths, found):
-        ours = [k for k, n in enumerate(truth.counts) if n >= LEAST_EDGES]
-        theirs = [k for k, n in enumerate(other.counts) if n >= LEAST_EDGES]
+        ours = [k for k, n in enumerate(truth.counts) if n >= MIN_EDGES]
+        theirs = [k for k, n in enumerate(other.counts) if n >= MIN_EDGES]
         agree = sum(k in ours and truth.counts[k] == other.counts[k] for k in theirs)
         shares.append(agree / len(theirs) if theirs else 0.0)
         right.append(len(ours) == len(theirs))

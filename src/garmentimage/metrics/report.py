@@ -7,7 +7,7 @@ from importlib import metadata
 from typing import Any
 
 from garmentimage import __version__
-from garmentimage.metrics.roundtrip import FileReport, Trip, summarise
+from garmentimage.metrics.roundtrip import FileReport, RoundTrip, summarise
 
 REPORT_VERSION = 1
 """Version of the report's layout."""
@@ -48,7 +48,7 @@ def report_to_json(reports: Sequence[FileReport], grid: int) -> dict[str, Any]:
     return _rounded(data)
 
 
-def _trip_to_json(trip: Trip) -> dict[str, Any]:
+def _trip_to_json(trip: RoundTrip) -> dict[str, Any]:
     data: dict[str, Any] = {"success": trip.success, "times": dict(trip.times)}
     if trip.result is not None:
         data |= asdict(trip.result)

@@ -35,7 +35,7 @@ SECOND_CLOTH_LAYER = "collar or lapel"
 
 
 @dataclass(frozen=True)
-class Trip:
+class RoundTrip:
     """One way there and back: the judge's result, or the error that ended it."""
 
     result: RoundtripResult | None = None
@@ -62,8 +62,8 @@ class FileReport:
     file: str
     """Folder and name, without the way there."""
     kind: str
-    with_marks: Trip
-    without_marks: Trip
+    with_marks: RoundTrip
+    without_marks: RoundTrip
     cut_panels: int = 0
     """Panels that were cut to lie on both layers; without marks they stay cut."""
     is_first: bool = False
@@ -105,7 +105,7 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
     from garmentimage.raster.encode import encode
 
     path = Path(path)
-    report = partial(FileReport, _short_name(path), kind_of(path))
+    report = partial(FileReport, _short_name(path), garment_kind(path))
     clock = _Clock(path.parent)
     with tempfile.TemporaryDirectory() as folder, clock.catching() as failed:
         with clock.step("load"):
@@ -117,16 +117,16 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
         cut = len({m.split_of for m in image.marks if m.split_of is not None})
         saved = Path(folder, "image.npz")
         there = clock.times
-        with_marks = _back(original, saved, Path(folder), keep_marks=True)
+        with_marks = _reconstruct(original, saved, Path(folder), keep_marks=True)
         return report(
             replace(with_marks, times={**there, **with_marks.times}),
-            _back(original, saved, Path(folder), keep_marks=False),
+            _reconstruct(original, saved, Path(folder), keep_marks=False),
             cut_panels=cut,
         )
     return report(failed[0], failed[0])
 
 
-def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> Trip:
+def _reconstruct(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> RoundTrip:
     """From a saved image to a saved pattern, and what the judge says of it."""
     from garmentimage.pattern.files import read_pattern, save_pattern
     from garmentimage.raster import load_image, save_image
@@ -147,7 +147,7 @@ def _back(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> 
             decoded, _ = read_pattern(folder / "pattern.json")
         with clock.step("judge"):
             result = judge(original, decoded, any_pose=not keep_marks)
-        return Trip(result, times=clock.times)
+        return RoundTrip(result, times=clock.times)
     return failed[0]
 
 
@@ -168,15 +168,15 @@ class _Clock:
         self.times[stage] = perf_counter() - start
 
     @contextmanager
-    def catching(self) -> Iterator[list[Trip]]:
+    def catching(self) -> Iterator[list[RoundTrip]]:
         """Any error inside ends here; the list then holds the trip that it ended."""
-        failed: list[Trip] = []
+        failed: list[RoundTrip] = []
         try:
             yield failed
         except Exception as error:  # One file's failure must not end a run over thousands.
             grid = getattr(error, "grid", None) if isinstance(error, GarmentImageError) else None
             failed.append(
-                Trip(
+                RoundTrip(
                     stage=self.stage,
                     error=type(error).__name__,
                     message=str(error).replace(f"{self.folder}{os.sep}", ""),
@@ -216,8 +216,8 @@ def roundtrip_many(
         report = outcome.result
         if isinstance(report, Lost):
             path = Path(paths[outcome.number])
-            trip = Trip(stage="run", error="Lost", message=report.reason)
-            report = FileReport(_short_name(path), kind_of(path), trip, trip)
+            trip = RoundTrip(stage="run", error="Lost", message=report.reason)
+            report = FileReport(_short_name(path), garment_kind(path), trip, trip)
         report = replace(report, is_first=outcome.is_first)
         reports[outcome.number] = report
         if progress is not None:
@@ -225,7 +225,7 @@ def roundtrip_many(
     return [reports[k] for k in range(len(paths))]
 
 
-def kind_of(path: str | Path) -> str:
+def garment_kind(path: str | Path) -> str:
     """What kind of garment a file holds: its folder's name.
 
     A folder of designs may have a manifest, FOLDER_manifest.json in it or beside it: a list of

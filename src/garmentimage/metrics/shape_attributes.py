@@ -33,7 +33,7 @@ MIDDLE_LINES = (-9.0, 9.0)
 
 
 @dataclass(frozen=True)
-class Traits:
+class ShapeAttributes:
     """What a garment is like."""
 
     legs: bool
@@ -48,11 +48,11 @@ class Traits:
     """Of the front at the hem, of one leg where there are legs [cm]."""
 
 
-def traits(pattern: Pattern | None) -> Traits | None:
+def measure_shape(pattern: Pattern | None) -> ShapeAttributes | None:
     """What a garment is like; None where there is nothing to see in front."""
     if pattern is None or any(drawing_faults(panel) for panel in pattern.panels):
         return None
-    sides = [each for each in placed_panels(pattern) if each.is_front]
+    sides = [each for each in panels_at_body(pattern) if each.is_front]
     sleeves = [each.outline for each in sides if each.is_sleeve]
     body = _beside([each.outline for each in sides if not each.is_sleeve])
     if not body:
@@ -61,7 +61,7 @@ def traits(pattern: Pattern | None) -> Traits | None:
     cuts = [_cut(body, hem + level) for level in LEVELS]
     legs = sum(_is_split(cut) for cut in cuts) * 2 > len(cuts)
     wide = sum(end - start for start, end in cuts[-1])
-    return Traits(
+    return ShapeAttributes(
         legs=legs,
         pieces=max(_stacked(body, x) for x in MIDDLE_LINES),
         sleeves=max(float(np.ptp(outline[:, 0])) for outline in sleeves) if sleeves else None,
@@ -71,7 +71,7 @@ def traits(pattern: Pattern | None) -> Traits | None:
 
 
 @dataclass(frozen=True)
-class Placed:
+class PanelAtBody:
     """A panel as it stands at the body, seen from the front."""
 
     outline: Float[np.ndarray, "n 2"]
@@ -79,12 +79,12 @@ class Placed:
     is_sleeve: bool
 
 
-def placed_panels(pattern: Pattern) -> list[Placed]:
+def panels_at_body(pattern: Pattern) -> list[PanelAtBody]:
     """The panels of a pattern, and which of them are sleeves."""
     worlds = [panel.to_world(loop_polygon(panel.outline)) for panel in pattern.panels]
     top = max((float(world[:, 1].max()) for world in worlds), default=0.0)
     return [
-        Placed(world[:, :2], bool(world[:, 2].mean() > 0), _is_sleeve(world[:, :2], top))
+        PanelAtBody(world[:, :2], bool(world[:, 2].mean() > 0), _is_sleeve(world[:, :2], top))
         for world in worlds
     ]
 

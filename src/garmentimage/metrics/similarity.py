@@ -28,7 +28,7 @@ from garmentimage.geometry import resample
 from garmentimage.metrics.intervals import Interval, interval
 from garmentimage.pattern import Panel, Pattern, Side
 
-MOST_OF = 0.5
+MIN_SHARE = 0.5
 """Edges and stitches are the same where this share of their length is."""
 EDGE_POINTS, FINE_POINTS, CHORDS = 16, 64, 32
 """Points of an edge by which it is looked for, those among which it is, and chords of curves."""
@@ -222,19 +222,19 @@ def _stitch_scores(
         side: other
         for side, shares in there.items()
         for other, share in shares.items()
-        if share > MOST_OF and home[other].get(side, 0.0) > MOST_OF
+        if share > MIN_SHARE and home[other].get(side, 0.0) > MIN_SHARE
     }
     mapped = {frozenset(same.get(side, side) for side in s.sides)
               for s in truth.stitches if all(side in same for side in s.sides)}  # fmt: skip
     right = len(mapped & {frozenset(s.sides) for s in found.stitches})
     totals = len(found.stitches), len(truth.stitches)
     by_edge = Scores(right, totals[0], right, totals[1])
-    by_length = Scores(_joined(found, truth, home), totals[0],
-                       _joined(truth, found, there), totals[1])  # fmt: skip
+    by_length = Scores(_count_joined(found, truth, home), totals[0],
+                       _count_joined(truth, found, there), totals[1])  # fmt: skip
     return by_edge, by_length
 
 
-def _joined(one: Pattern, other: Pattern, shares: Mapping[Side, Mapping[Side, float]]) -> int:
+def _count_joined(one: Pattern, other: Pattern, shares: Mapping[Side, Mapping[Side, float]]) -> int:
     """Stitches of one pattern of which half or more is sewn in the other, too."""
     count = 0
     for stitch in one.stitches:
@@ -244,7 +244,7 @@ def _joined(one: Pattern, other: Pattern, shares: Mapping[Side, Mapping[Side, fl
             for sewn in other.stitches
             for x, y in (sewn.sides, sewn.sides[::-1])
         )
-        count += whole >= MOST_OF
+        count += whole >= MIN_SHARE
     return count
 
 

@@ -1,46 +1,46 @@
 from .best_of import (
-    MOST_TRIES as MOST_TRIES,
-    best_try as best_try,
+    MAX_ATTEMPTS as MAX_ATTEMPTS,
+    best_attempt as best_attempt,
 )
 from .editor import (
-    DENOISER as DENOISER,
-    PICTURES as PICTURES,
-    SETTLE as SETTLE,
-    SPACE as SPACE,
-    STEPS_USUAL as STEPS_USUAL,
+    DEFAULT_DENOISER as DEFAULT_DENOISER,
+    DEFAULT_IMAGE_DECODER as DEFAULT_IMAGE_DECODER,
+    DEFAULT_SPACE as DEFAULT_SPACE,
+    DEFAULT_STEPS as DEFAULT_STEPS,
+    REPROJECTIONS as REPROJECTIONS,
     TextEdit as TextEdit,
     TextEditor as TextEditor,
-    check_amounts as check_amounts,
+    check_options as check_options,
     check_pair as check_pair,
-    checked_text as checked_text,
     denoiser_guidance as denoiser_guidance,
     denoiser_names as denoiser_names,
-    moved as moved,
-    picture_names as picture_names,
+    image_decoder_names as image_decoder_names,
+    normalised_text as normalised_text,
+    run_edit as run_edit,
     stable_guidance as stable_guidance,
 )
 from .goal import (
-    LONGER_CM as LONGER_CM,
-    WIDER as WIDER,
+    MIN_LENGTH_CHANGE_CM as MIN_LENGTH_CHANGE_CM,
+    MIN_WIDTH_RATIO as MIN_WIDTH_RATIO,
 )
 from .guidance import (
     ScoreDistillation as ScoreDistillation,
 )
 from .source_prompt import (
-    FAMILIAR as FAMILIAR,
     LONG_CM as LONG_CM,
     LONG_SLEEVE_CM as LONG_SLEEVE_CM,
+    MIN_FAMILIARITY as MIN_FAMILIARITY,
     NARROW_CM as NARROW_CM,
     SHORT_CM as SHORT_CM,
     SHORT_SLEEVE_CM as SHORT_SLEEVE_CM,
     WIDE_CM as WIDE_CM,
-    contrast as contrast,
+    edit_prompts as edit_prompts,
 )
 from .strip import (
     way as way,
     way_picture as way_picture,
 )
 from .vocabulary import (
-    named as named,
-    words_of as words_of,
+    list_words as list_words,
+    split_words as split_words,
 )

@@ -14,38 +14,42 @@ from garmentimage.errors import LearnError, quoted
 from garmentimage.latent import LatentSpace, space_names
 from garmentimage.learn import load_weights
 from garmentimage.learn.models import ImageDecoder
-from garmentimage.metrics import Touched
+from garmentimage.metrics import EditedRegion
 from garmentimage.networks import Latent, Step, network_folder, shipped_names
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage
 from garmentimage.system import shown_path, weights_hash
-from garmentimage.text_edit.best_of import MOST_TRIES, best_try
-from garmentimage.text_edit.guidance import Guidance, ScoreDistillation, descent
-from garmentimage.text_edit.keep_mask import staying
-from garmentimage.text_edit.source_prompt import contrast, nearest_phrase
+from garmentimage.text_edit.best_of import MAX_ATTEMPTS, best_attempt
+from garmentimage.text_edit.guidance import Guidance, ScoreDistillation, optimise_latent
+from garmentimage.text_edit.keep_mask import keep_mask
+from garmentimage.text_edit.source_prompt import edit_prompts, nearest_phrase
 from garmentimage.text_edit.vocabulary import check_known
 
-SPACE, PICTURES, DENOISER = "text-edit", "text-edit-pictures", "text-edit-denoiser"
+DEFAULT_SPACE, DEFAULT_IMAGE_DECODER, DEFAULT_DENOISER = (
+    "text-edit",
+    "text-edit-pictures",
+    "text-edit-denoiser",
+)
 """Networks that come with the package."""
-MOST_TEXT = 500
+MAX_TEXT_LENGTH = 500
 """Characters of a text."""
-STRENGTHS, STEPS = (0.05, 20.0), (1, 5000)
+STRENGTH_LIMITS, STEP_LIMITS = (0.05, 20.0), (1, 5000)
 """Least and most of what may be asked."""
-PULL = 0.02
+DISTANCE_WEIGHT = 0.02
 """What the squared distance from the start costs at strength 1."""
-HOLD = 1.0
+KEEP_WEIGHT = 1.0
 """What the squared change of a colour costs where the text should change nothing."""
-RATE = 0.1
+LEARNING_RATE = 0.1
 """Learning rate."""
-STEPS_USUAL = 60
-FRAMES = 6
+DEFAULT_STEPS = 60
+FRAME_COUNT = 6
 """Steps that are kept for the strip, with both ends."""
-SETTLE = 1
+REPROJECTIONS = 1
 """Times that the result is decoded and encoded again."""
 
 
 @dataclass(frozen=True)
-class Frame:
+class EditFrame:
     """A moment of an edit."""
 
     number: int
@@ -60,7 +64,7 @@ class TextEdit:
     """A garment, and what a text made of it."""
 
     given: Step
-    frames: tuple[Frame, ...]
+    frames: tuple[EditFrame, ...]
     """From the start to the end."""
     result: Step
     tries: int
@@ -90,13 +94,15 @@ class TextEditor:
         self.space, self.pictures = space, pictures.eval()
 
     @classmethod
-    def load(cls, space: str | Path = SPACE, pictures: str | Path = PICTURES) -> "TextEditor":
+    def load(
+        cls, space: str | Path = DEFAULT_SPACE, pictures: str | Path = DEFAULT_IMAGE_DECODER
+    ) -> "TextEditor":
         """Networks that come with the package, by name, or those in folders.
 
         Raises:
             LearnError: there are none of those names, and no such folders.
         """
-        folder = network_folder(pictures, picture_names(), "picture network")
+        folder = network_folder(pictures, image_decoder_names(), "picture network")
         return cls(
             LatentSpace(network_folder(space, space_names(), "latent space")),
             load_weights(ImageDecoder, folder),
@@ -109,11 +115,11 @@ class TextEditor:
         guidance: Guidance,
         *,
         strength: float = 1.0,
-        steps: int = STEPS_USUAL,
-        tries: int = MOST_TRIES,
+        steps: int = DEFAULT_STEPS,
+        tries: int = MAX_ATTEMPTS,
         progress: Callable[[int, int], None] = lambda done, steps: None,
     ) -> TextEdit:
-        """What a text makes of a garment; it looks at what it makes and tries again (`best_try`).
+        """What a text makes of a garment; up to `attempts` times (`best_attempt`).
 
         Args:
             source: the garment.
@@ -129,17 +135,19 @@ class TextEditor:
                 that the network does not take.
             EncodeError: a pattern that does not fit its grid.
         """
-        words = checked_text(text)
-        check_amounts(strength, steps, tries)
+        words = normalised_text(text)
+        check_options(strength, steps, tries)
         given = self.space.given(source)
         assert given.image is not None  # `LatentSpace.given` has one
         space = self.space.fit_for(given.image)
         start = torch.from_numpy(given.z).float()
-        told, said = contrast(given.pattern, words)
-        wanted = set(np.linspace(0, steps, min(FRAMES, steps + 1)).round().astype(int).tolist())
+        told, said = edit_prompts(given.pattern, words)
+        wanted = set(
+            np.linspace(0, steps, min(FRAME_COUNT, steps + 1)).round().astype(int).tolist()
+        )
         ways: list[dict[int, torch.Tensor]] = []
 
-        def attempt(further: float, touched: Touched | None) -> Step:
+        def attempt(further: float, touched: EditedRegion | None) -> Step:
             moments = {0: start}
             ways.append(moments)
 
@@ -148,7 +156,7 @@ class TextEditor:
                     moments[step] = z
                 progress(step, steps)
 
-            z = moved(
+            z = run_edit(
                 start,
                 self.pictures,
                 guidance,
@@ -160,11 +168,11 @@ class TextEditor:
                 touched=touched,
                 progress=keep,
             )
-            return space.step(space.settled(z.numpy(), SETTLE))
+            return space.step(space.settled(z.numpy(), REPROJECTIONS))
 
-        best = best_try(given.pattern, words, attempt, tries)
+        best = best_attempt(given.pattern, words, attempt, tries)
         frames = tuple(
-            Frame(number, space.step(z.numpy()), self.picture(z.numpy()))
+            EditFrame(number, space.step(z.numpy()), self.picture(z.numpy()))
             for number, z in sorted(ways[best.number].items())
         )
         return TextEdit(given, frames, best.step, best.count, best.done)
@@ -177,7 +185,7 @@ class TextEditor:
         return np.ascontiguousarray(upright.numpy())
 
 
-def moved(
+def run_edit(
     z: Float[Tensor, " latent"],
     pictures: ImageDecoder,
     guidance: Guidance,
@@ -187,7 +195,7 @@ def moved(
     strength: float,
     steps: int,
     further: float = 1.0,
-    touched: Touched | None = None,
+    touched: EditedRegion | None = None,
     progress: Callable[[int, Tensor], None] = lambda step, z: None,
 ) -> Float[Tensor, " latent"]:
     """The latent vector that a text makes of another.
@@ -197,7 +205,7 @@ def moved(
         pictures: what garments look like.
         guidance: which way pictures should change.
         text: what they should show.
-        said: what of it is true of the garment as it is, see `contrast`.
+        said: what of it is true of the garment as it is, see `edit_prompts`.
         strength: how far it may go.
         steps: of the optimisation.
         further: how much further than usual the guidance should push.
@@ -208,15 +216,19 @@ def moved(
         guidance.start(pictures.draw(z[None]), said, further)
     held = None
     if touched is not None:
-        held = HOLD / strength * torch.from_numpy(staying(touched, pictures.config.picture)).float()
-    return descent(
+        held = (
+            KEEP_WEIGHT
+            / strength
+            * torch.from_numpy(keep_mask(touched, pictures.config.picture)).float()
+        )
+    return optimise_latent(
         z,
         pictures.draw,
         guidance,
         text,
         steps=steps,
-        rate=RATE,
-        pull=PULL / strength,
+        rate=LEARNING_RATE,
+        pull=DISTANCE_WEIGHT / strength,
         held=held,
         progress=progress,
     )
@@ -241,12 +253,19 @@ def denoiser_guidance(
             the networks were told of garments.
     """
     check_known(text)
-    from garmentimage.text_edit.pixel_diffusion import NOISES, SCALE, SCHEDULE, SmallDiffusion
+    from garmentimage.text_edit.pixel_diffusion import (
+        NOISE_SAMPLES,
+        SCALE,
+        SCHEDULE,
+        PixelDiffusion,
+    )
 
-    folder = network_folder(DENOISER if name is None else name, denoiser_names(), "denoiser")
-    model = SmallDiffusion(folder)
+    folder = network_folder(
+        DEFAULT_DENOISER if name is None else name, denoiser_names(), "denoiser"
+    )
+    model = PixelDiffusion(folder)
     guidance = ScoreDistillation(
-        model, **{"scale": SCALE, "noises": NOISES, "schedule": SCHEDULE, **told}
+        model, **{"scale": SCALE, "noises": NOISE_SAMPLES, "schedule": SCHEDULE, **told}
     )
     return guidance, nearest_phrase(text)
 
@@ -261,15 +280,20 @@ def stable_guidance(model: str | None, **told: Any) -> ScoreDistillation:
     Raises:
         LearnError: it is not there and cannot be had, or `diffusers` is not installed.
     """
-    from garmentimage.text_edit.stable_diffusion import DEFAULT, SCALE, WRAPPED, StableDiffusion
+    from garmentimage.text_edit.stable_diffusion import (
+        DEFAULT_MODEL,
+        PROMPT_TEMPLATE,
+        SCALE,
+        StableDiffusion,
+    )
 
-    usual = {"scale": SCALE, "wrapped": WRAPPED, "noises": 1}
+    usual = {"scale": SCALE, "wrapped": PROMPT_TEMPLATE, "noises": 1}
     return ScoreDistillation(
-        StableDiffusion(DEFAULT if model is None else model), **{**usual, **told}
+        StableDiffusion(DEFAULT_MODEL if model is None else model), **{**usual, **told}
     )
 
 
-def checked_text(text: str) -> str:
+def normalised_text(text: str) -> str:
     """A text in one line without spaces around it.
 
     Raises:
@@ -280,8 +304,8 @@ def checked_text(text: str) -> str:
         raise LearnError(f"the text {quoted(words)} has bytes that are no UTF-8; type it anew")
     if not any(character.isalnum() for character in words):
         raise LearnError(f"the text {quoted(words)} says nothing; say what the garment should be")
-    if len(words) > MOST_TEXT:
-        raise LearnError(f"the text has {len(words):,} characters; give {MOST_TEXT} or fewer")
+    if len(words) > MAX_TEXT_LENGTH:
+        raise LearnError(f"the text has {len(words):,} characters; give {MAX_TEXT_LENGTH} or fewer")
     return words
 
 
@@ -299,18 +323,18 @@ def check_pair(space: Path, pictures: ImageDecoder) -> None:
         )
 
 
-def check_amounts(strength: float, steps: int, tries: int) -> None:
+def check_options(strength: float, steps: int, tries: int) -> None:
     """Refuse a strength or a number of steps or tries that will not do.
 
     Raises:
         LearnError: says what may be given.
     """
-    _check("strength", strength, STRENGTHS)
-    _check("number of steps", steps, STEPS)
-    _check("number of tries", tries, (1, MOST_TRIES))
+    _check("strength", strength, STRENGTH_LIMITS)
+    _check("number of steps", steps, STEP_LIMITS)
+    _check("number of tries", tries, (1, MAX_ATTEMPTS))
 
 
-def picture_names() -> tuple[str, ...]:
+def image_decoder_names() -> tuple[str, ...]:
     """Networks of pictures that come with the package."""
     return tuple(name for name in shipped_names("model.safetensors") if name.endswith("-pictures"))
 

@@ -19,7 +19,7 @@ from garmentimage.errors import LearnError
 
 Pictures = Float[Tensor, "n 3 pixel_row pixel_col"]
 """Colours from 0 to 1, the lowest row of pixels first."""
-MOST_SCALE, MOST_SEED = 1000.0, 2**63 - 1
+MAX_SCALE, MAX_SEED = 1000.0, 2**63 - 1
 
 
 class Guidance(Protocol):
@@ -61,7 +61,7 @@ class Diffusion(Protocol):
 
 
 @dataclass(frozen=True)
-class Schedule:
+class NoiseSchedule:
     """Times of the noise: between `first` and `last` as the optimisation goes on, +- `width`."""
 
     first: float = 0.7
@@ -103,18 +103,18 @@ class ScoreDistillation:
         scale: float = 7.5,
         negative: str = "",
         wrapped: str = "{}",
-        schedule: Schedule = Schedule(),
+        schedule: NoiseSchedule = NoiseSchedule(),
         noises: int = 4,
         seed: int = 0,
     ) -> None:
         if wrapped.count("{}") != 1:
             raise LearnError(f"the wrapping {wrapped!r} needs one {{}} where the text goes")
-        if not 0 < scale <= MOST_SCALE:
+        if not 0 < scale <= MAX_SCALE:
             raise LearnError(
-                f"the guidance scale is {scale:g}; give more than 0, up to {MOST_SCALE:g}"
+                f"the guidance scale is {scale:g}; give more than 0, up to {MAX_SCALE:g}"
             )
-        if not 0 <= seed <= MOST_SEED:
-            raise LearnError(f"the seed is {seed}; give 0 to {MOST_SEED}")
+        if not 0 <= seed <= MAX_SEED:
+            raise LearnError(f"the seed is {seed}; give 0 to {MAX_SEED}")
         self.diffusion, self.scale, self.wrapped = diffusion, scale, wrapped
         self.schedule, self.noises = schedule, noises
         self.generator = torch.Generator().manual_seed(seed)
@@ -160,7 +160,7 @@ class ScoreDistillation:
         return self._known[text]
 
 
-def descent(
+def optimise_latent(
     start: Float[Tensor, " latent"],
     draw: Callable[[Float[Tensor, "n latent"]], Pictures],
     guidance: Guidance,

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from garmentimage.body import load_body, measurements
-from garmentimage.metrics import Touched
+from garmentimage.metrics import EditedRegion
 from garmentimage.render.worn import body_camera
 
 BODY = "mean-female"
@@ -14,7 +14,7 @@ BODY = "mean-female"
 
 
 @cache
-def staying(touched: Touched, pixels: int) -> Bool[np.ndarray, "pixel_row pixel_col"]:
+def keep_mask(touched: EditedRegion, pixels: int) -> Bool[np.ndarray, "pixel_row pixel_col"]:
     """Pixels that a text does not speak of, the lowest row first.
 
     Sleeves are beside the shoulder points and above the waist.

@@ -11,17 +11,17 @@ from garmentimage.learn import load_weights
 from garmentimage.learn.data import SIZE, embedded
 from garmentimage.learn.models import Denoiser, shares
 from garmentimage.system import shown_path
-from garmentimage.text_edit.guidance import Pictures, Schedule
+from garmentimage.text_edit.guidance import NoiseSchedule, Pictures
 
 SCALE = 6.0
 """How much more a text counts than its absence."""
-NOISES = 2
+NOISE_SAMPLES = 2
 """Put on each picture in a step."""
-SCHEDULE = Schedule(0.9, 0.5)
+SCHEDULE = NoiseSchedule(0.9, 0.5)
 """Of their times: much noise, so that legs may become a skirt."""
 
 
-class SmallDiffusion:
+class PixelDiffusion:
     """The model in a folder; it works on pictures as they are.
 
     Raises:

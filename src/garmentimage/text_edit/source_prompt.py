@@ -13,10 +13,10 @@ from jaxtyping import Float32
 
 from garmentimage.dataset import aspect_of, bottoms_of, every_phrase
 from garmentimage.learn.data import embedded
-from garmentimage.metrics import Traits, traits
+from garmentimage.metrics import ShapeAttributes, measure_shape
 from garmentimage.pattern import Pattern
 
-FAMILIAR = 0.5
+MIN_FAMILIARITY = 0.5
 """Texts whose meaning is less near than this to all that is said of garments are strange."""
 SHORT_CM, LONG_CM = (48.0, 60.0), (62.0, 78.0)
 """Skirts and legs that end less far below the waist are short, those that end further are long."""
@@ -42,7 +42,7 @@ def nearest_phrase(text: str) -> tuple[float, str]:
     return float(near[best]), phrases[best]
 
 
-def contrast(pattern: Pattern | None, text: str) -> tuple[str, str]:
+def edit_prompts(pattern: Pattern | None, text: str) -> tuple[str, str]:
     """A text as a model should be told it of a garment, and what is true instead.
 
     Args:
@@ -52,18 +52,18 @@ def contrast(pattern: Pattern | None, text: str) -> tuple[str, str]:
     Returns:
         The text, and what is true of that which it speaks of; empty if that is not known.
     """
-    found = traits(pattern)
+    found = measure_shape(pattern)
     near, phrase = nearest_phrase(text)
-    if found is None or near < FAMILIAR:
+    if found is None or near < MIN_FAMILIARITY:
         return text, ""
-    said = said_of(found)
+    said = describe(found)
     true = said.get(aspect_of(phrase), "")
     if len(bottoms_of(phrase)) > 1:
         return f"{text}, {said['bottom']}", f"{true}, {said['bottom']}"
     return text, true
 
 
-def said_of(found: Traits) -> dict[str, str]:
+def describe(found: ShapeAttributes) -> dict[str, str]:
     """A phrase for each aspect of a garment that its traits tell."""
     legs = int(found.legs)
     sleeves = found.sleeves

@@ -14,13 +14,13 @@ from garmentimage.errors import LearnError
 from garmentimage.system import shown_path
 from garmentimage.text_edit.guidance import Pictures
 
-DEFAULT = "stable-diffusion-v1-5/stable-diffusion-v1-5"
-SCALE, WRAPPED = 30.0, "a photo of a person wearing {}, plain white background"
+DEFAULT_MODEL = "stable-diffusion-v1-5/stable-diffusion-v1-5"
+SCALE, PROMPT_TEMPLATE = 30.0, "a photo of a person wearing {}, plain white background"
 """How much more a text counts than its absence, and what it is wrapped in."""
 HUB_ID = re.compile(r"\w[\w.-]*/\w[\w.-]*")
-PREDICTED = "epsilon", "v_prediction"
+PREDICTION_TYPES = "epsilon", "v_prediction"
 """What a model may say of a noisy picture."""
-UNFIT = (AttributeError, IndexError, TypeError, ValueError, ArithmeticError, RuntimeError)
+INCOMPATIBLE = (AttributeError, IndexError, TypeError, ValueError, ArithmeticError, RuntimeError)
 """What parts raise that do not fit each other."""
 
 
@@ -36,7 +36,7 @@ class StableDiffusion:
             of another kind.
     """
 
-    def __init__(self, model: str = DEFAULT, device: str | None = None) -> None:
+    def __init__(self, model: str = DEFAULT_MODEL, device: str | None = None) -> None:
         chosen = device or ("cuda" if torch.cuda.is_available() else "cpu")
         self.device = torch.device(chosen)
         kind = torch.float32 if self.device.type == "cpu" else torch.float16
@@ -53,19 +53,19 @@ class StableDiffusion:
             raise LearnError(
                 f"{shown_path(model)}: needs more memory than {self.device}"
             ) from error
-        except UNFIT as error:
+        except INCOMPATIBLE as error:
             raise LearnError(
                 f"{shown_path(model)}: does not guide as Stable Diffusion does "
-                f"({type(error).__name__}); download {DEFAULT} and give its folder"
+                f"({type(error).__name__}); download {DEFAULT_MODEL} and give its folder"
             ) from error
 
     @torch.no_grad()
     def _try_out(self) -> None:
         """Code, tell and denoise once, so that what does not fit is known before the work."""
-        if self.pipe.scheduler.config.prediction_type not in PREDICTED:
+        if self.pipe.scheduler.config.prediction_type not in PREDICTION_TYPES:
             raise LearnError(
                 f"predicts {self.pipe.scheduler.config.prediction_type}, not "
-                f"{' or '.join(PREDICTED)}; download {DEFAULT} and give its folder"
+                f"{' or '.join(PREDICTION_TYPES)}; download {DEFAULT_MODEL} and give its folder"
             )
         self.kept = self.pipe.scheduler.alphas_cumprod.to(self.device)
         times = torch.full((1,), 0.5)
@@ -147,7 +147,7 @@ def _pipeline(model: str) -> Any:
     if not is_folder and not HUB_ID.fullmatch(model):
         raise LearnError(
             f"{shown_path(model)}: there is no such folder; give one that diffusers saved, or an "
-            f"id on the Hugging Face Hub such as {DEFAULT}"
+            f"id on the Hugging Face Hub such as {DEFAULT_MODEL}"
         )
     if is_folder and not (Path(model) / "model_index.json").is_file():
         raise LearnError(
@@ -161,7 +161,7 @@ def _pipeline(model: str) -> Any:
         if told.get("_class_name") != StableDiffusionPipeline.__name__:
             raise LearnError(
                 f"{shown_path(model)}: is a {told.get('_class_name')}, no Stable Diffusion 1 or 2; "
-                f"download {DEFAULT} and give its folder"
+                f"download {DEFAULT_MODEL} and give its folder"
             )
         return StableDiffusionPipeline.from_pretrained(
             model,
@@ -177,5 +177,5 @@ def _pipeline(model: str) -> Any:
     except Exception as error:  # What may go wrong spans four libraries and the network.
         raise LearnError(
             f"{shown_path(model)}: is no Stable Diffusion model that can be read, or cannot be "
-            f"fetched ({type(error).__name__}); download {DEFAULT} and give its folder"
+            f"fetched ({type(error).__name__}); download {DEFAULT_MODEL} and give its folder"
         ) from None

@@ -37,7 +37,7 @@ class Words:
     unknown: tuple[str, ...]
 
 
-def words_of(text: str) -> Words:
+def split_words(text: str) -> Words:
     """Which words of a text the networks know, and which they have never met.
 
     Example:
@@ -60,16 +60,16 @@ def check_known(text: str) -> None:
     Raises:
         LearnError: names the words.
     """
-    words = words_of(text)
+    words = split_words(text)
     if not words.known:
-        unknown = named(words.unknown) if words.unknown else quoted(text)
+        unknown = list_words(words.unknown) if words.unknown else quoted(text)
         raise LearnError(
             f"the networks do not know {unknown}; they know the kind of garment, sleeves, lengths, "
             'widths, necklines and fit, in English: "pants", "long sleeves", "wide"'
         )
 
 
-def named(words: tuple[str, ...]) -> str:
+def list_words(words: tuple[str, ...]) -> str:
     """The first few words, for a message."""
     more = len(words) - _MOST_NAMED
     shown = ", ".join(quoted(word) for word in words[:_MOST_NAMED])

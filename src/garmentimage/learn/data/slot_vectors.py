@@ -21,7 +21,7 @@ from torch.nn import functional
 from garmentimage.errors import DecodeError, LearnError, quoted
 from garmentimage.learn.data.images import Album
 from garmentimage.metrics import (
-    LEAST_EDGES,
+    MIN_EDGES,
     PADDING_ATOL,
     quaternion,
     tag_stitches,
@@ -294,7 +294,7 @@ def pattern_from(found: SlotOutputs, number: int, words: SlotWords) -> Pattern:
     rows = found.edges[number].float().numpy()
     there = np.any(np.abs(rows) > PADDING_ATOL, axis=2)
     counts = np.where(there.all(1), there.shape[1], there.argmin(1))
-    counts = np.where(counts >= LEAST_EDGES, counts, 0)
+    counts = np.where(counts >= MIN_EDGES, counts, 0)
     if not counts.any():
         raise DecodeError("the slots hold no panel")
     turns = found.rotations[number].float().numpy()
