@@ -26,7 +26,7 @@ from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.drape.mesh.rest import rest_of, strain
 from garmentimage.drape.solver.distance_field import body_field
-from garmentimage.drape.solver.solver import Settings
+from garmentimage.drape.solver.solver import SolverSettings
 from garmentimage.drape.start.placement import standing
 from garmentimage.drape.start.starting import start_points
 from garmentimage.pattern.model import Pattern
@@ -126,7 +126,7 @@ def _run(
 
 def _simulate(model: Any, solver: Any, fabric: Fabric, frames: int) -> tuple[np.ndarray, float]:
     """As our solver does: first no gravity and much damping, then gravity and little."""
-    settings = Settings()
+    settings = SolverSettings()
     state, following, control = model.state(), model.state(), model.control()
     # Cloth that begins under the skin is only found within this distance.
     pipeline = newton.CollisionPipeline(model, soft_contact_gap=CONTACT_REACH)

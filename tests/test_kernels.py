@@ -13,7 +13,7 @@ from garmentimage import decode, encode
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.drape.mesh.meshing import mesh
-from garmentimage.drape.solver.solver import Settings
+from garmentimage.drape.solver.solver import SolverSettings
 from garmentimage.errors import GarmentImageError
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.checks.sewable import check_pattern
@@ -23,7 +23,7 @@ from tests.strangers import doubled, moved, recut, traced
 
 CASES = 4
 """Patterns of each kind."""
-FEW_FRAMES = Settings(frames=3, gather_frames=1, least_frames=1)
+FEW_FRAMES = SolverSettings(max_frames=3, gather_frames=1, min_frames=1)
 GARMENTS = {kind: draft_pattern(kind) for kind in ("tee", "skirt", "pants")}
 
 

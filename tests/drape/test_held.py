@@ -16,7 +16,7 @@ from garmentimage.drape.draping import check_worn, drape_pattern
 from garmentimage.drape.girths import waist_height
 from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.drape.solver.distance_field import body_field, empty_field
-from garmentimage.drape.solver.solver import Attachment, Settings, solve
+from garmentimage.drape.solver.solver import Attachment, SolverSettings, solve
 from garmentimage.drape.start.placement import on_hips, standing
 from garmentimage.drape.start.starting import start_points
 from garmentimage.drape.verdict.judging import MOST_SLID
@@ -223,7 +223,9 @@ def test_a_belt_pulls_no_harder_than_it_can():
     sunk = [
         (
             start
-            - solve(rest, start, FREE, SOFT, attachment=belt, settings=Settings(frames=60)).points
+            - solve(
+                rest, start, FREE, SOFT, attachment=belt, settings=SolverSettings(max_frames=60)
+            ).points
         )[top, 1].mean()
         for belt in (
             Attachment(top, start[top], stiff, 2 * weight / len(top)),

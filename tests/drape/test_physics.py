@@ -7,10 +7,10 @@ import pytest
 
 from garmentimage.drape.mesh.bending import bending_matrix
 from garmentimage.drape.solver.distance_field import empty_field
-from garmentimage.drape.solver.solver import FRAME, GRAVITY, Attachment, Settings, solve
+from garmentimage.drape.solver.solver import FRAME, GRAVITY, Attachment, SolverSettings, solve
 from tests.drape.sheets import ROW, SOFT, ball, floor, lying, sheet, standing, strip
 
-AT_ONCE = Settings(frames=600, gather_frames=0, stop_speed=0.01)
+AT_ONCE = SolverSettings(max_frames=600, gather_frames=0, stop_speed=0.01)
 FREE = empty_field()
 
 
@@ -94,7 +94,9 @@ def test_bending_has_no_energy_in_the_plane():
 def test_a_flat_sheet_on_a_level_floor_stays():
     flat, _, rest = sheet(9, 10, 2.5)
     start = lying(flat, SOFT.thickness)
-    motion = solve(rest, start, floor(), SOFT, settings=replace(AT_ONCE, frames=30, stop_speed=0))
+    motion = solve(
+        rest, start, floor(), SOFT, settings=replace(AT_ONCE, max_frames=30, stop_speed=0)
+    )
     assert np.abs(motion.points - start).max() < 1e-9
 
 
@@ -111,8 +113,8 @@ def test_energy_does_not_grow_without_gravity():
     start = standing(flat * 1.3) + np.random.default_rng(3).normal(0, 0.3, (len(flat), 3))
     before = energy(rest, start, fabric.stretch)
     for frames in (2, 5, 20, 60):
-        settings = Settings(
-            frames=frames, gather_frames=0, stop_speed=0, gravity=0.0, top_speed=1e4
+        settings = SolverSettings(
+            max_frames=frames, gather_frames=0, stop_speed=0, gravity=0.0, max_speed=1e4
         )
         motion = solve(rest, start, FREE, fabric, settings=settings)
         mass = fabric.weight * rest.vertex_area.sum()
@@ -128,7 +130,9 @@ def test_bending_does_not_drive_the_springs_without_gravity_and_air(side, bend):
     flat, _, rest = sheet(9, 10, side)
     fabric = replace(SOFT, bend=bend, damping=0.0)
     start = standing(flat) + np.random.default_rng(3).normal(0, 0.5, (len(flat), 3))
-    settings = Settings(frames=200, gather_frames=0, stop_speed=0, gravity=0.0, top_speed=1e4)
+    settings = SolverSettings(
+        max_frames=200, gather_frames=0, stop_speed=0, gravity=0.0, max_speed=1e4
+    )
     speeds = solve(rest, start, FREE, fabric, settings=settings).speeds
     assert speeds[-1] < 0.15 * speeds[5]
 
@@ -137,7 +141,7 @@ def test_a_free_fall_obeys_gravity():
     flat, _, rest = sheet(9, 10, 2.5)
     start, frames = lying(flat), 12
     fabric = replace(SOFT, damping=0.0)
-    settings = Settings(frames=frames, gather_frames=0, stop_speed=0, top_speed=1e4)
+    settings = SolverSettings(max_frames=frames, gather_frames=0, stop_speed=0, max_speed=1e4)
     motion = solve(rest, start, FREE, fabric, settings=settings)
     known = GRAVITY * (frames * FRAME) ** 2 / 2
     fallen = start[:, 1] - motion.points[:, 1]
@@ -160,7 +164,7 @@ def test_cloth_slides_on_slopes_steeper_than_its_friction_and_on_no_others(share
     )
     flat, _, rest = sheet(7, 8, 2.5)
     start = lying(flat, SOFT.thickness) @ turn
-    settings = Settings(frames=40, gather_frames=0, stop_speed=0)
+    settings = SolverSettings(max_frames=40, gather_frames=0, stop_speed=0)
     motion = solve(rest, start, floor(angle), SOFT, settings=settings)
     slid = np.linalg.norm(motion.points - start, axis=1)
     assert slid.max() < 1e-3 if stays else slid.min() > 1.0
@@ -172,7 +176,7 @@ def test_sliding_cloth_gains_speed_as_friction_allows():
         [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
     )
     flat, _, rest = sheet(7, 8, 2.5)
-    settings = Settings(frames=frames, gather_frames=0, stop_speed=0)
+    settings = SolverSettings(max_frames=frames, gather_frames=0, stop_speed=0)
     fabric = replace(SOFT, damping=0.0)
     start = lying(flat, SOFT.thickness) @ turn
     motion = solve(rest, start, floor(angle), fabric, settings=settings)

@@ -6,7 +6,7 @@ import pytest
 import garmentimage as gi
 from garmentimage.body.body import load_body
 from garmentimage.drape.solver.distance_field import body_field
-from garmentimage.drape.solver.solver import Settings, solve
+from garmentimage.drape.solver.solver import SolverSettings, solve
 from garmentimage.drape.verdict.skin import deepest
 from tests.corpus import unpacked
 from tests.drape.sheets import SOFT, ball, lying, sheet
@@ -20,7 +20,9 @@ def test_coarse_cloth_on_a_ball_covers_it_between_its_vertices(side):
     flat, faces, rest = sheet(int(60 / side), int(60 / side), side)
     field = ball(RADIUS)
     start = lying(flat, RADIUS + 2) + np.array([1.03, 0.0, 2.07])
-    points = solve(rest, start, field, SOFT, settings=Settings(frames=90, gather_frames=2)).points
+    points = solve(
+        rest, start, field, SOFT, settings=SolverSettings(max_frames=90, gather_frames=2)
+    ).points
     corners = points[faces]
     middles = np.concatenate(
         [corners.mean(axis=1), *(corners[:, [k, k - 1]].mean(axis=1) for k in range(3))]

@@ -9,7 +9,7 @@ import pytest
 
 from garmentimage.drape.fabric import FABRICS, load_fabric
 from garmentimage.drape.solver.distance_field import empty_field
-from garmentimage.drape.solver.solver import Attachment, Settings, solve
+from garmentimage.drape.solver.solver import Attachment, SolverSettings, solve
 from garmentimage.errors import DrapeError
 from tests.drape.sheets import SOFT, ball, lying, sheet, standing
 
@@ -22,7 +22,7 @@ def on_a_ball():
     """A sheet that falls on a ball, off its middle."""
     flat, _, rest = sheet(9, 10, 3.0)
     start = lying(flat, 17.0) + OFF_MIDDLE
-    return solve(rest, start, ball(), SOFT, settings=Settings(frames=40, gather_frames=2))
+    return solve(rest, start, ball(), SOFT, settings=SolverSettings(max_frames=40, gather_frames=2))
 
 
 def digest(motion) -> str:
@@ -41,7 +41,7 @@ def test_mirrored_cloth_comes_to_the_mirrored_rest():
     flat, _, rest = sheet(9, 10, 3.0)
     start = lying(flat, 17.0) + OFF_MIDDLE
     mirror = np.array([-1.0, 1.0, 1.0])
-    settings = Settings(frames=60, gather_frames=2)
+    settings = SolverSettings(max_frames=60, gather_frames=2)
     right = solve(rest, start, ball(), SOFT, settings=settings)
     left = solve(rest, start * mirror, ball(), SOFT, settings=settings)
     assert np.abs(left.points * mirror - right.points).max() < 0.05
@@ -52,7 +52,9 @@ def test_seams_that_gape_widely_close_without_strain():
     flat, _, rest = sheet(9, 10, 2.5)
     start = standing(flat)
     start[flat[:, 1] > flat[:, 1].mean() + 0.1, 2] += 20.0
-    motion = solve(rest, start, FREE, SOFT, settings=Settings(frames=90, gather_frames=90))
+    motion = solve(
+        rest, start, FREE, SOFT, settings=SolverSettings(max_frames=90, gather_frames=90)
+    )
     a, b = motion.points[rest.edges].transpose(1, 0, 2)
     assert np.abs(np.linalg.norm(b - a, axis=1) / rest.length - 1).max() < 0.02
 
@@ -60,7 +62,9 @@ def test_seams_that_gape_widely_close_without_strain():
 def test_crumpled_cloth_does_not_explode():
     flat, _, rest = sheet(9, 10, 2.5)
     start = np.random.default_rng(5).normal(0, 20, (len(flat), 3))
-    motion = solve(rest, start, FREE, SOFT, settings=Settings(frames=60, gather_frames=60))
+    motion = solve(
+        rest, start, FREE, SOFT, settings=SolverSettings(max_frames=60, gather_frames=60)
+    )
     assert np.isfinite(motion.points).all()
     assert motion.speeds[-1] < 20
     assert np.abs(motion.points).max() < 100
@@ -82,7 +86,7 @@ def test_a_held_vertex_stays_and_a_height_held_one_slides_level():
 
 def test_cloth_that_starts_in_the_body_is_pushed_out_gently():
     flat, _, rest = sheet(9, 10, 2.5)
-    motion = solve(rest, lying(flat, 11.0), ball(), SOFT, settings=Settings(frames=80))
+    motion = solve(rest, lying(flat, 11.0), ball(), SOFT, settings=SolverSettings(max_frames=80))
     assert ball().at(motion.points).min() > SOFT.thickness - 0.05
     assert np.abs(motion.points).max() < 30
 
@@ -90,7 +94,7 @@ def test_cloth_that_starts_in_the_body_is_pushed_out_gently():
 def test_no_time_is_no_motion():
     flat, _, rest = sheet(3, 2, 2.5)
     start = standing(flat)
-    motion = solve(rest, start, FREE, SOFT, settings=Settings(frames=0))
+    motion = solve(rest, start, FREE, SOFT, settings=SolverSettings(max_frames=0))
     assert (motion.frames, motion.settled, len(motion.speeds)) == (0, False, 0)
     assert np.array_equal(motion.points, start)
 
@@ -99,7 +103,7 @@ def test_the_start_is_left_as_it_was():
     flat, _, rest = sheet(5, 4, 2.5)
     start = standing(flat)
     before = start.copy()
-    solve(rest, start, FREE, SOFT, settings=Settings(frames=3, gather_frames=0))
+    solve(rest, start, FREE, SOFT, settings=SolverSettings(max_frames=3, gather_frames=0))
     assert np.array_equal(start, before)
 
 

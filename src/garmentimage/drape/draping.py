@@ -10,7 +10,14 @@ from garmentimage.drape.elastic import drawn_together
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.mesh import VERTICES, check_size, mesh, rest_of
-from garmentimage.drape.solver import Attachment, DistanceField, Settings, Watch, body_field, solve
+from garmentimage.drape.solver import (
+    Attachment,
+    DistanceField,
+    SolverSettings,
+    Watch,
+    body_field,
+    solve,
+)
 from garmentimage.drape.start import standing, start_points, tucked_in
 from garmentimage.drape.support import Held
 from garmentimage.drape.verdict import judge
@@ -37,7 +44,7 @@ def drape_pattern(
     vertices: int = VERTICES,
     tucked: bool = False,
     made_for: float | None = None,
-    settings: Settings | None = None,
+    settings: SolverSettings | None = None,
     watch: Watch | None = None,
 ) -> Worn:
     """Put a garment on a body and let it come to rest; same bits on every run.
@@ -97,7 +104,7 @@ def drape_pattern(
             field,
             fabric,
             attachment=_belt(item),
-            resting=np.searchsorted(item.vertices, item.resting),
+            with_friction=np.searchsorted(item.vertices, item.resting),
             settings=settings,
             watch=watch,
         )

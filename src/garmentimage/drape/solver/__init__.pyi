@@ -5,7 +5,7 @@ from .distance_field import (
 from .solver import (
     Attachment as Attachment,
     Motion as Motion,
-    Settings as Settings,
+    SolverSettings as SolverSettings,
     Watch as Watch,
     solve as solve,
 )

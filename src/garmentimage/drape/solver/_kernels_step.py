@@ -1,12 +1,39 @@
-"""One step of the cloth after the other, as fast as a machine can: the loops behind `solver`.
+"""Compiled loops of the solver: cloth moved step by step over a body.
 
-All arrays are changed in place. `points` are the vertices [cm] and `moved` is how far each went in
-the last step [cm].
+What is solved, for the places x of all vertices, with masses M and the step h:
+
+    M x'' = -dE/dx - c M x' - W g + contact,     E = stretch + bending
+
+- **Time step**: symplectic Euler in terms of the displacement u of a step, which is the speed times
+  h. Damping is exact for a free vertex:
+
+      u <- exp(-c h) u + h^2 M^-1 (f(x + a u) - W g),     x <- x + u
+
+  Forces are taken at x + a u, where the vertices are about to be. A small share a (`LOOK_AHEAD`)
+  damps the fastest modes only and keeps the step explicit.
+- **Stretch**: one spring along each edge e, energy k_e (|x_b - x_a| - l_e)^2 / 2, whose stiffness
+  makes a mesh an elastic sheet (Van Gelder 1998, "Approximate simulation of elastic membranes by
+  triangulated spring meshes").
+- **Bending**: the quadratic energy x Q x / 2 of Bergou et al. 2006, see `mesh.bending`; its force
+  -Q x is linear, and is kept for several steps as it changes slowly.
+- **Contact**: the body is a signed distance field. Near a vertex it is replaced by the half-space
+  n . x < c under the tangent plane of its nearest place. A vertex inside is projected onto the
+  plane and loses its normal motion; Coulomb friction takes at most the share of the tangential
+  motion that the push allows (Bridson, Fedkiw and Anderson 2002, "Robust treatment of collisions,
+  contact and friction for cloth animation", Eq. 1).
+- **Pins**: held vertices are pulled to their targets by springs that are solved implicitly, vertex
+  by vertex, which is stable for any stiffness.
+
+The loops run over vertices and edges in their order on one thread, so sums have the same bits on
+every run. All arrays are changed in place; lengths are cm, times s.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
+from typing import NamedTuple
+
 import numpy as np
+from jaxtyping import Bool, Float, Float32, Int
 from numba import njit
 
 from garmentimage.drape.solver._kernels_field import sample
@@ -19,95 +46,220 @@ BEND_LOOK_AHEAD = 1.0
 """Bending forces are taken at the places this share of their time of use later. At a half they
 would neither damp nor drive; forces kept for several steps can then drive the springs (as impulses
 do in multiple time stepping), and crumpled cloth jitters for ever. At one they damp."""
-WARY = 0.8
-"""Far from the body, a vertex can count on this share of the distance field's value."""
-MOST_REST = 1000
-"""A vertex far from the body is looked at again after so many refreshes, at the latest."""
+DISTANCE_TRUST = 0.8
+"""Share of the distance field's value that is certain far from the body, where the field is too
+great by up to an eighth."""
+MAX_SKIPPED = 1000
+"""Planes far from the body are computed anew after so many refreshes at the latest."""
 LIFT_EVERY = 2
-"""Once in so many frames it is looked whether the body comes through the cloth between vertices."""
+"""Frames between two looks for skin that comes through the cloth between vertices."""
 SKIN_COVER = 0.15
-"""The middles of triangles and of their sides stay this far outside the skin [cm]; so that they
-do, their corners stay farther off than the cloth is thick."""
+"""The middles of triangles and of their sides are kept this far outside the skin [cm]; for that,
+their corners are kept farther off than the cloth is thick."""
 TAUT = 0.15
 """Cloth that is stretched by this share is not raised."""
 LOWERED = 0.9
-"""Corners come back by this share of the lift each time where the skin is covered by twice that."""
-ALIKE = 0.5
-"""Only corners that face the body as the place between them does, by the cosine of the angle, can
-be of help there: on both sides of a crotch they do not."""
-SHORTEST = 1e-9
+"""Lifts shrink to this share each time where the skin is covered by twice `SKIN_COVER`."""
+MIN_FACING = 0.5
+"""A corner is raised for a place between corners only where both face the body alike, by the cosine
+of the angle between their directions: on the two sides of a crotch they do not."""
+MIN_LENGTH = 1e-9
 """Keeps the direction of a spring of no length finite [cm]."""
 
 
+class State(NamedTuple):
+    """What passes from one span of frames to the next, beside the places."""
+
+    displacement: Float[np.ndarray, "vertex 3"]
+    """How far each vertex went in the last step [cm]."""
+    planes: Float[np.ndarray, "vertex 4"]
+    """Tangent plane of the body for each vertex: unit normal n and offset c [cm]; n . x >= c is
+    outside."""
+    skipped: Int[np.ndarray, " vertex"]
+    """Refreshes for which each plane is still valid, as the body is too far off to be reached."""
+    lift: Float[np.ndarray, " vertex"]
+    """How far each vertex is kept off the skin beyond the thickness of the cloth [cm]."""
+
+
+class Triangles(NamedTuple):
+    """Triangles of the cloth."""
+
+    faces: Int[np.ndarray, "face 3"]
+    max_lift: Float[np.ndarray, " vertex"]
+    """Greatest lift of each vertex [cm]."""
+
+
+class Springs(NamedTuple):
+    """Resistance to stretch along the edges."""
+
+    ends: Int[np.ndarray, "edge 2"]
+    length: Float[np.ndarray, " edge"]
+    """At rest [cm]."""
+    stiffness: Float[np.ndarray, " edge"]
+    """[dyn/cm]"""
+
+
+class Bending(NamedTuple):
+    """The matrix Q of the bending energy x Q x / 2 in CSR form [dyn/cm]."""
+
+    first: Int[np.ndarray, " row"]
+    column: Int[np.ndarray, " entry"]
+    value: Float[np.ndarray, " entry"]
+
+
+class Masses(NamedTuple):
+    """Inertia and weight of the vertices."""
+
+    inverse_mass: Float[np.ndarray, " vertex"]
+    """1 / inertia [1/g]."""
+    weight_share: Float[np.ndarray, " vertex"]
+    """Mass that is weighed over inertia: below 1 where inertia was added for stability."""
+
+
+class Pins(NamedTuple):
+    """Vertices that are pulled to targets, axis by axis."""
+
+    vertices: Int[np.ndarray, " pin"]
+    targets: Float[np.ndarray, "pin 3"]
+    """[cm]"""
+    share: Float[np.ndarray, "pin 3"]
+    """Share of the distance to the target that a step covers."""
+    max_shift: Float[np.ndarray, " pin"]
+    """Farthest that a step pulls along an axis [cm]."""
+
+
+class Field(NamedTuple):
+    """The body's signed distance at the nodes of a grid."""
+
+    values: Float32[np.ndarray, "x y z"]
+    """[cm]"""
+    origin: Float[np.ndarray, " 3"]
+    """Place of the first node [cm]."""
+    per_cell: float
+    """1 / distance between nodes [1/cm]."""
+
+
+class Material(NamedTuple):
+    """What the fabric adds to contact and motion; see `Fabric`."""
+
+    thickness: float
+    friction: float
+    damping: float
+
+
+class Model(NamedTuple):
+    """Everything that stays the same during a simulation."""
+
+    triangles: Triangles
+    springs: Springs
+    bending: Bending
+    masses: Masses
+    pins: Pins
+    has_friction: Bool[np.ndarray, " vertex"]
+    """Vertices with friction while seams close, too."""
+    field: Field
+    material: Material
+
+
+class Schedule(NamedTuple):
+    """Numbers of frames and steps."""
+
+    gather_frames: int
+    min_frames: int
+    substeps: int
+    """Steps a frame."""
+    refresh: int
+    """Steps for which bending forces and planes are kept."""
+
+
+class Rates(NamedTuple):
+    """Speeds and accelerations; see `SolverSettings`."""
+
+    gather_damping: float
+    max_speed: float
+    push_speed: float
+    stop_speed: float
+    gravity: float
+
+
 @njit(cache=True)
-def simulate(
-    points, speeds, span, state, triangles, springs, bending, masses, held, rubs, field, cloth,
-    counts, rates,
-):  # fmt: skip
+def simulate(points, speeds, span, state, model, schedule, rates):
     """Move `points` through a span of frames, or until at rest.
 
-    Returns the frames taken since the first and whether rest was reached. `state` is what goes on
-    from span to span, see `_initial_state` of the solver; how long spans are changes no bit.
+    The result does not depend on how the frames are divided into spans.
+
+    Args:
+        points: places of the vertices [cm]; is written to.
+        speeds: mean speed of the vertices in each frame [cm/s]; is written to.
+        span: first frame, and the one after the last.
+        state: a `State`; is written to.
+        model: a `Model`.
+        schedule: a `Schedule`.
+        rates: `Rates`.
+
+    Returns:
+        Frames simulated since the first of all, and whether rest was reached.
     """
-    moved, planes, rest, lift = state
-    ends, lengths, stiffness = springs
-    lightness, weight_share = masses
-    thickness, friction, damping = cloth
-    gather_frames, least_frames, substeps, refresh = counts
-    gather_damping, top_speed, push_speed, stop_speed, gravity = rates
-    step = FRAME / substeps
+    material = model.material
+    refresh, gather_frames = schedule.refresh, schedule.gather_frames
+    step = FRAME / schedule.substeps
     count = len(points)
     ahead = np.empty((count, 3))
     force = np.empty((count, 3))
     bend_force = np.zeros((count, 3))
-    reach = top_speed * step * refresh
+    # Farthest that a vertex can get until planes are computed again.
+    reach = rates.max_speed * step * refresh
     before = np.empty((count, 3))
     for frame in range(span[0], span[1]):
         before[:] = points
+        # At first seams close: without gravity, heavily damped, and almost without friction.
         gathering = frame < gather_frames
-        keep = np.exp(-(gather_damping if gathering else damping) * step)
-        grip = 0.0 if gathering else friction
-        fall = 0.0 if gathering else -gravity * step * step
-        for substep in range(substeps):
+        damping = np.exp(-(rates.gather_damping if gathering else material.damping) * step)
+        friction = 0.0 if gathering else material.friction
+        gravity_step = 0.0 if gathering else -rates.gravity * step * step
+        for substep in range(schedule.substeps):
             if substep % refresh == 0:
-                _look_ahead(points, moved, BEND_LOOK_AHEAD * refresh, ahead)
-                _bend(ahead, bending, bend_force)
-                _find_planes(points, field, thickness, lift, reach, planes, rest)
-            _look_ahead(points, moved, LOOK_AHEAD, ahead)
+                _look_ahead(points, state.displacement, BEND_LOOK_AHEAD * refresh, ahead)
+                _bend(ahead, model.bending, bend_force)
+                _find_planes(points, model.field, material.thickness, reach, state)
+            _look_ahead(points, state.displacement, LOOK_AHEAD, ahead)
             force[:] = bend_force
-            _stretch(ahead, ends, lengths, stiffness, force)
-            for i in range(count):
-                pace = lightness[i] * step * step
-                x = moved[i, 0] * keep + force[i, 0] * pace
-                y = moved[i, 1] * keep + force[i, 1] * pace + fall * weight_share[i]
-                z = moved[i, 2] * keep + force[i, 2] * pace
-                _advance(points, moved, i, x, y, z, top_speed * step)
-            _hold(points, moved, held)
-            _collide(points, moved, planes, friction, grip, rubs, push_speed * step)
+            _stretch(ahead, model.springs, force)
+            _advance_all(
+                points, state.displacement, force, model.masses, damping, gravity_step, step,
+                rates.max_speed,
+            )  # fmt: skip
+            _pull_to_pins(points, state.displacement, model.pins)
+            _collide(
+                points, state, material.friction, friction, model.has_friction,
+                rates.push_speed * step,
+            )  # fmt: skip
         if not gathering and frame % LIFT_EVERY == 0:
-            _lift(points, triangles, ends, lengths, field, planes, lift)
+            _lift(points, model.triangles, model.springs, model.field, state)
         speeds[frame] = _mean_distance(points, before) / FRAME
-        if frame + 1 >= least_frames and not gathering and speeds[frame] < stop_speed:
+        if frame + 1 >= schedule.min_frames and not gathering and speeds[frame] < rates.stop_speed:
             return frame + 1, True
     return span[1], False
 
 
 @njit(cache=True)
-def _look_ahead(points, moved, share, ahead):
+def _look_ahead(points, displacement, share, ahead):
+    """Places x + share u: where the vertices will be that share of a step later."""
     for i in range(len(points)):
         for k in range(3):
-            ahead[i, k] = points[i, k] + share * moved[i, k]
+            ahead[i, k] = points[i, k] + share * displacement[i, k]
 
 
 @njit(cache=True)
-def _stretch(points, ends, lengths, stiffness, force):
-    """Add the forces of the springs."""
+def _stretch(points, springs, force):
+    """Add the spring forces k (|d| - l) d / |d| along d = x_b - x_a, opposite at both ends."""
+    ends, lengths, stiffness = springs
     for e in range(len(ends)):
         a, b = ends[e, 0], ends[e, 1]
         x = points[b, 0] - points[a, 0]
         y = points[b, 1] - points[a, 1]
         z = points[b, 2] - points[a, 2]
-        length = np.sqrt(x * x + y * y + z * z) + SHORTEST
+        length = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
         tension = stiffness[e] * (1.0 - lengths[e] / length)
         x *= tension
         y *= tension
@@ -122,7 +274,7 @@ def _stretch(points, ends, lengths, stiffness, force):
 
 @njit(cache=True)
 def _bend(points, matrix, force):
-    """Forces of bending: minus the matrix times the places."""
+    """Bending forces -Q x, a product with a sparse matrix for each axis."""
     first, column, value = matrix
     for i in range(len(points)):
         x = y = z = 0.0
@@ -135,25 +287,27 @@ def _bend(points, matrix, force):
 
 
 @njit(cache=True)
-def _find_planes(points, field, thickness, lift, reach, planes, rest):
-    """The plane through the body's nearest place, moved out by thickness and lift, for each vertex.
+def _find_planes(points, field, thickness, reach, state):
+    """The tangent plane of the body for each vertex, moved out by thickness and lift.
 
-    A plane is its unit normal n and its offset c: n . x >= c is outside. A vertex too far off to
-    get to the body before is left alone for `rest` more calls; it moves at most `reach` a call.
+    With the distance d at p and its direction n, the body's nearest place is p - d n. A vertex
+    that cannot reach the body before keeps no plane for `skipped` more calls; it moves at most
+    `reach` between calls.
     """
     values, origin, per_cell = field
+    planes, skipped, lift = state.planes, state.skipped, state.lift
     for i in range(len(points)):
-        if rest[i] > 0:
-            rest[i] -= 1
+        if skipped[i] > 0:
+            skipped[i] -= 1
             continue
         p = points[i]
         distance, x, y, z = sample(values, origin, per_cell, p[0], p[1], p[2])
         clear = distance - thickness - lift[i]
-        rest[i] = min(max(int(clear * WARY / reach) - 1, 0), MOST_REST)
-        if rest[i] > 0:
+        skipped[i] = min(max(int(clear * DISTANCE_TRUST / reach) - 1, 0), MAX_SKIPPED)
+        if skipped[i] > 0:
             planes[i, 3] = -np.inf
             continue
-        length = np.sqrt(x * x + y * y + z * z) + SHORTEST
+        length = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
         x /= length
         y /= length
         z /= length
@@ -162,44 +316,52 @@ def _find_planes(points, field, thickness, lift, reach, planes, rest):
 
 
 @njit(cache=True)
-def _lift(points, triangles, ends, lengths, field, planes, lift):
-    """Raise the corners of triangles in which the body comes through, and lower the others.
+def _lift(points, triangles, springs, field, state):
+    """Raise the corners of triangles through which the body comes, and lower the others.
 
-    Cloth that is taut already is not raised: it would be stretched by its coarse triangles only.
+    Contact is found at vertices only, and a chord of a round body runs through it. So the middles
+    of triangles and of their sides are looked at as well, and where they lie under the skin the
+    corners are kept farther off, up to `max_lift`. Cloth that is taut already is not raised: the
+    coarse triangles alone would stretch it.
     """
-    faces, most = triangles
+    faces, max_lift = triangles
+    ends, lengths, _ = springs
+    planes, lift = state.planes, state.lift
+    # Greatest stretch of the edges that meet in each vertex.
     taut = np.zeros(len(points))
     for e in range(len(ends)):
         a, b = ends[e, 0], ends[e, 1]
         x = points[b, 0] - points[a, 0]
         y = points[b, 1] - points[a, 1]
         z = points[b, 2] - points[a, 2]
-        stretch = np.sqrt(x * x + y * y + z * z) / (lengths[e] + SHORTEST) - 1.0
+        stretch = np.sqrt(x * x + y * y + z * z) / (lengths[e] + MIN_LENGTH) - 1.0
         taut[a] = max(taut[a], stretch)
         taut[b] = max(taut[b], stretch)
     needed = np.full(len(points), -np.inf)
     for f in range(len(faces)):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        # Without a plane at any corner the body is too far off.
         if planes[a, 3] == -np.inf and planes[b, 3] == -np.inf and planes[c, 3] == -np.inf:
             continue
-        _need(points, field, planes, needed, a, b, c)
+        _needed_lift(points, field, planes, needed, a, b, c)
+        # Neighbouring triangles run along a shared side in opposite directions: one looks at it.
         if a < b:
-            _need(points, field, planes, needed, a, b, b)
+            _needed_lift(points, field, planes, needed, a, b, b)
         if b < c:
-            _need(points, field, planes, needed, b, c, c)
+            _needed_lift(points, field, planes, needed, b, c, c)
         if c < a:
-            _need(points, field, planes, needed, c, a, a)
+            _needed_lift(points, field, planes, needed, c, a, a)
     for i in range(len(points)):
         if taut[i] > TAUT:
             lift[i] *= LOWERED
         elif needed[i] > 0.0:
-            lift[i] = min(lift[i] + needed[i], most[i])
+            lift[i] = min(lift[i] + needed[i], max_lift[i])
         elif needed[i] < -SKIN_COVER:
             lift[i] *= LOWERED
 
 
 @njit(cache=True)
-def _need(points, field, planes, needed, a, b, c):
+def _needed_lift(points, field, planes, needed, a, b, c):
     """How much farther off a place between corners should be; `b` and `c` may be one corner."""
     values, origin, per_cell = field
     share = 0.5 if b == c else 1.0 / 3.0
@@ -208,56 +370,75 @@ def _need(points, field, planes, needed, a, b, c):
     y = share * (points[a, 1] + points[b, 1]) + rest * points[c, 1]
     z = share * (points[a, 2] + points[b, 2]) + rest * points[c, 2]
     distance, u, v, w = sample(values, origin, per_cell, x, y, z)
-    least = ALIKE * np.sqrt(u * u + v * v + w * w)
+    min_dot = MIN_FACING * np.sqrt(u * u + v * v + w * w)
     for i in (a, b, c):
-        if planes[i, 0] * u + planes[i, 1] * v + planes[i, 2] * w > least:
+        if planes[i, 0] * u + planes[i, 1] * v + planes[i, 2] * w > min_dot:
             needed[i] = max(needed[i], SKIN_COVER - distance)
 
 
 @njit(cache=True)
-def _advance(points, moved, i, x, y, z, most):
-    """Move a vertex, but no farther than `most`."""
-    length = np.sqrt(x * x + y * y + z * z)
-    share = most / length if length > most else 1.0
-    moved[i, 0], moved[i, 1], moved[i, 2] = x * share, y * share, z * share
-    points[i, 0] += moved[i, 0]
-    points[i, 1] += moved[i, 1]
-    points[i, 2] += moved[i, 2]
+def _advance_all(
+    points, displacement, force, masses, damping, gravity_step, step, max_speed
+):  # fmt: skip
+    """One step of symplectic Euler: u <- damping u + h^2 f / m, then x <- x + u."""
+    for i in range(len(points)):
+        step_scale = masses.inverse_mass[i] * step * step
+        x = displacement[i, 0] * damping + force[i, 0] * step_scale
+        y = displacement[i, 1] * damping + force[i, 1] * step_scale
+        y += gravity_step * masses.weight_share[i]
+        z = displacement[i, 2] * damping + force[i, 2] * step_scale
+        _advance(points, displacement, i, x, y, z, max_speed * step)
 
 
 @njit(cache=True)
-def _hold(points, moved, held):
-    """Pull held vertices to their targets, no farther in one step than `most`."""
-    vertices, targets, share, most = held
+def _advance(points, displacement, i, x, y, z, max_shift):
+    """Move a vertex, but no farther than `max_shift`."""
+    length = np.sqrt(x * x + y * y + z * z)
+    share = max_shift / length if length > max_shift else 1.0
+    displacement[i, 0], displacement[i, 1], displacement[i, 2] = x * share, y * share, z * share
+    points[i, 0] += displacement[i, 0]
+    points[i, 1] += displacement[i, 1]
+    points[i, 2] += displacement[i, 2]
+
+
+@njit(cache=True)
+def _pull_to_pins(points, displacement, pins):
+    """Pull held vertices to their targets, each axis by its share and at most by `max_shift`."""
+    vertices, targets, share, max_shift = pins
     for n in range(len(vertices)):
         i = vertices[n]
         for k in range(3):
             shift = share[n, k] * (targets[n, k] - points[i, k])
-            shift = min(max(shift, -most[n]), most[n])
+            shift = min(max(shift, -max_shift[n]), max_shift[n])
             points[i, k] += shift
-            moved[i, k] += shift
+            displacement[i, k] += shift
 
 
 @njit(cache=True)
-def _collide(points, moved, planes, resting_friction, friction, rubs, most):
+def _collide(points, state, full_friction, friction, has_friction, max_push):
     """Put vertices outside the body, with friction, and stop their motion along its normal.
 
-    A push out of the body is not a motion: it leaves no speed behind.
+    A push of length p takes min(mu p, |t|) from the tangential displacement t. The push itself
+    leaves no speed behind: it corrects the place only.
     """
+    planes, displacement = state.planes, state.displacement
     for i in range(len(points)):
         x, y, z = planes[i, 0], planes[i, 1], planes[i, 2]
         depth = planes[i, 3] - (x * points[i, 0] + y * points[i, 1] + z * points[i, 2])
         if depth <= 0.0:
             continue
-        push = min(depth, most)
-        along = x * moved[i, 0] + y * moved[i, 1] + z * moved[i, 2]
-        slip_x = moved[i, 0] - along * x
-        slip_y = moved[i, 1] - along * y
-        slip_z = moved[i, 2] - along * z
+        push = min(depth, max_push)
+        along = x * displacement[i, 0] + y * displacement[i, 1] + z * displacement[i, 2]
+        slip_x = displacement[i, 0] - along * x
+        slip_y = displacement[i, 1] - along * y
+        slip_z = displacement[i, 2] - along * z
         slip = np.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
-        grip = resting_friction if rubs[i] else friction
-        kept = max(0.0, 1.0 - grip * push / (slip + SHORTEST))
-        moved[i, 0], moved[i, 1], moved[i, 2] = slip_x * kept, slip_y * kept, slip_z * kept
+        mu = full_friction if has_friction[i] else friction
+        kept = max(0.0, 1.0 - mu * push / (slip + MIN_LENGTH))
+        displacement[i, 0] = slip_x * kept
+        displacement[i, 1] = slip_y * kept
+        displacement[i, 2] = slip_z * kept
+        # The vertex has already moved by the whole slip, so what friction takes is undone here.
         points[i, 0] += push * x - slip_x * (1.0 - kept)
         points[i, 1] += push * y - slip_y * (1.0 - kept)
         points[i, 2] += push * z - slip_z * (1.0 - kept)
@@ -265,6 +446,7 @@ def _collide(points, moved, planes, resting_friction, friction, rubs, most):
 
 @njit(cache=True)
 def _mean_distance(points, others):
+    """Mean distance between rows."""
     total = 0.0
     for i in range(len(points)):
         x = points[i, 0] - others[i, 0]

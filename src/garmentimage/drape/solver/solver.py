@@ -1,14 +1,17 @@
 """Cloth in motion until it rests: springs, bending, gravity, and a body to rest on.
 
-The state moves by explicit steps (symplectic Euler), short enough to be stable. So at rest every
-force is exactly what the fabric says: a finer mesh is not a softer cloth. Forces are taken at the
-places where the vertices will be a fraction of a step later, which damps fast jitter and nothing
-else. A vertex that so short a step would not keep stable (next to a tiny triangle) is given more
-inertia but no more weight, which changes the way to rest and not the rest itself.
+The equations of motion and the time step stand above the loops in `_kernels_step`. Here the
+numbers that make the explicit steps stable are chosen:
 
-The body is met vertex by vertex: out of it along the distance field's slope, with Coulomb friction
-that holds still what rests. Where skin would come through between vertices, these are kept a little
-farther off.
+- A step h of symplectic Euler with forces taken `LOOK_AHEAD` = a of a step later is stable for
+  h^2 K / m < 4 / (1 + 2 a), where K is the greatest stiffness. By Gershgorin's theorem K is at most
+  twice the sum of the stiffnesses of the springs that meet in a vertex.
+- Substeps are short enough for most vertices. Each of the others (next to a tiny triangle) is given
+  more inertia but no more weight, which changes the motion and not the state of rest.
+- Bending is weak beside stretch, so its forces are kept for several steps (multiple time stepping).
+
+So at rest every force is exactly what the fabric says: a finer mesh is not a softer cloth. Where
+skin would come through between vertices, these are kept a little farther off.
 """
 
 from collections.abc import Callable
@@ -20,7 +23,23 @@ from jaxtyping import Float, Int
 
 from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.mesh import Rest, bending_matrix
-from garmentimage.drape.solver._kernels_step import FRAME, LOOK_AHEAD, SHORTEST, simulate
+from garmentimage.drape.solver._kernels_step import (
+    FRAME,
+    LOOK_AHEAD,
+    MIN_LENGTH,
+    Bending,
+    Field,
+    Masses,
+    Material,
+    Model,
+    Pins,
+    Rates,
+    Schedule,
+    Springs,
+    State,
+    Triangles,
+    simulate,
+)
 from garmentimage.drape.solver.distance_field import DistanceField
 
 GRAVITY = 981.0
@@ -28,23 +47,21 @@ GRAVITY = 981.0
 STABLE = 0.96 * 2.0 / (1.0 + 2.0 * LOOK_AHEAD)
 """Greatest value of (step^2 x sum of spring stiffness / mass) of a vertex. By Gershgorin's theorem
 steps are stable below 2 / (1 + 2 LOOK_AHEAD), whatever the shape of the cloth."""
-MOST_VERTICES = 75
+STABLE_PERCENT = 75
 """Percentage of the vertices for which steps are made short enough; the others get inertia."""
-REFRESH = 6
-"""Bending forces and the body's nearness are computed anew once in this many steps, at most."""
-MOST_LIFT = 0.2
+MAX_REFRESH = 6
+"""Bending forces and planes of contact are kept for this many steps at most."""
+MAX_LIFT = 0.2
 """Where skin comes through between vertices, these are kept farther off by up to this share of the
 edges' length: a chord of a circle misses it by so much where it is 44 degrees long or less."""
 BEND_STABLE = 0.3
 """Greatest value of (time between refreshes^2 x bending stiffness / mass) of a vertex. Bending by
 itself is stable below 2; beside stiff springs, drapes began to jitter between 0.5 and 1."""
-
-
-WATCHED = 5
-"""Frames after which it is told how far the simulation is."""
+WATCHED_FRAMES = 5
+"""Frames between two calls of `watch`."""
 
 Watch = Callable[[int, int], None]
-"""Is called with the frames done and the greatest number of them."""
+"""Called with the number of frames done and the greatest number of frames."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,29 +74,29 @@ class Attachment:
     stiffness: Float[np.ndarray, "held 3"]
     """Force per distance from the target along x, y and z [dyn/cm]: 0 is free, infinite is held
     exactly there."""
-    most: float = np.inf
+    max_force: float = np.inf
     """Greatest force on a vertex, along each axis [dyn]."""
 
 
 @dataclass(frozen=True)
-class Settings:
-    """How long to simulate, and how."""
+class SolverSettings:
+    """Length, speeds and accuracy of a simulation."""
 
-    frames: int = 300
+    max_frames: int = 300
     """Greatest number of frames, each a sixtieth of a second."""
     gather_frames: int = 15
     """First frames, without gravity and almost without friction, in which seams close."""
     gather_damping: float = 20.0
     """Share of the speed lost while gathering [1/s]."""
-    top_speed: float = 300.0
+    max_speed: float = 300.0
     """No vertex moves faster [cm/s]."""
     push_speed: float = 300.0
     """Speed at which cloth that is inside the body is pushed out [cm/s]."""
     stop_speed: float = 1.0
     """At rest when the mean speed of the vertices is below this [cm/s]."""
-    least_frames: int = 30
+    min_frames: int = 30
     """Frames before cloth may count as at rest."""
-    most_substeps: int = 32
+    max_substeps: int = 32
     """Steps a frame, at most; stiffer or finer cloth gets more inertia."""
     gravity: float = GRAVITY
     """Downwards [cm/s2]."""
@@ -87,7 +104,7 @@ class Settings:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What came of a simulation."""
+    """The result of a simulation."""
 
     points: Float[np.ndarray, "vertex 3"]
     """Where the vertices ended [cm]."""
@@ -107,8 +124,8 @@ def solve(
     fabric: Fabric,
     *,
     attachment: Attachment | None = None,
-    resting: Int[np.ndarray, " k"] | None = None,
-    settings: Settings | None = None,
+    with_friction: Int[np.ndarray, " k"] | None = None,
+    settings: SolverSettings | None = None,
     watch: Watch | None = None,
 ) -> Motion:
     """Let cloth come to rest.
@@ -122,67 +139,86 @@ def solve(
         field: the body.
         fabric: what the cloth is made of.
         attachment: vertices held in place.
-        resting: vertices that rub on the body from the start, not only once seams have closed.
-        settings: how long to simulate, and how.
-        watch: is called every few frames with their number and the greatest there can be.
+        with_friction: vertices with friction from the start, not only once seams have closed.
+        settings: length, speeds and accuracy of the simulation.
+        watch: called every few frames with their number and the greatest number.
 
     Returns:
         The cloth at rest, or where it was after the last frame. The same bits on every run.
     """
-    settings = settings or Settings()
+    settings = settings or SolverSettings()
     count = len(start)
+    # The compiled loops do not check indices.
     assert np.isfinite(start).all() and len(rest.vertex_area) == count
     assert not rest.edges.size or 0 <= rest.edges.min() <= rest.edges.max() < count
+    model, schedule = _model(rest, field, fabric, attachment, with_friction, settings)
+    rates = Rates(
+        settings.gather_damping,
+        settings.max_speed,
+        settings.push_speed,
+        settings.stop_speed,
+        settings.gravity,
+    )
+    points = np.array(start, dtype=float, order="C")
+    speeds = np.zeros(settings.max_frames)
+    state, settled, frames = _initial_state(count), False, 0
+    span = settings.max_frames if watch is None else WATCHED_FRAMES
+    while frames < settings.max_frames and not settled:
+        frames, settled = simulate(
+            points,
+            speeds,
+            (frames, min(frames + span, settings.max_frames)),
+            state,
+            model,
+            schedule,
+            rates,
+        )
+        if watch is not None:
+            watch(frames, settings.max_frames)
+    return Motion(points, frames, speeds[:frames], bool(settled))
+
+
+def _model(
+    rest: Rest,
+    field: DistanceField,
+    fabric: Fabric,
+    attachment: Attachment | None,
+    with_friction: Int[np.ndarray, " k"] | None,
+    settings: SolverSettings,
+) -> tuple[Model, Schedule]:
+    """Springs, masses and steps of a cloth, its inertia raised where a step would be unstable."""
+    count = len(rest.vertex_area)
     stiffness = fabric.stretch * rest.area / rest.length**2
     weight = np.maximum(fabric.weight * rest.vertex_area, 1e-12)
     pull = np.bincount(rest.edges.ravel(), np.repeat(stiffness, 2), minlength=count)
-    substeps = _substeps(pull / weight, settings.most_substeps)
+    substeps = _substeps(pull / weight, settings.max_substeps)
     step = FRAME / substeps
     bending = bending_matrix(rest.faces, _flat(rest), count) * fabric.bend
     bend_pull = np.bincount(bending.indices, np.abs(bending.data), minlength=count)
     refresh = _refresh(bend_pull / weight, step)
+    # Least inertia for which a step is stable: h^2 pull / m <= STABLE, and the same for bending.
     stable = np.maximum(pull / STABLE, refresh**2 * bend_pull / BEND_STABLE)
     inertia = np.maximum(weight, step**2 * stable)
-
-    points = np.array(start, dtype=float, order="C")
-    rubs = np.zeros(count, bool)
-    rubs[[] if resting is None else resting] = True
-    speeds = np.zeros(settings.frames)
-    state, settled, frames = _initial_state(count), False, 0
-    span = settings.frames if watch is None else WATCHED
-    while frames < settings.frames and not settled:
-        frames, settled = simulate(
-            points,
-            speeds,
-            (frames, min(frames + span, settings.frames)),
-            state,
-            (rest.faces.astype(np.int64), MOST_LIFT * _side_lengths(rest, count)),
-            (rest.edges.astype(np.int64), rest.length, stiffness),
-            (bending.indptr, bending.indices, bending.data),
-            (1.0 / inertia, weight / inertia),
-            _held(attachment, inertia, step),
-            rubs,
-            (field.values, field.origin, 1.0 / field.cell),
-            (fabric.thickness, fabric.friction, fabric.damping),
-            (settings.gather_frames, settings.least_frames, substeps, refresh),
-            (
-                settings.gather_damping,
-                settings.top_speed,
-                settings.push_speed,
-                settings.stop_speed,
-                settings.gravity,
-            ),
-        )
-        if watch is not None:
-            watch(frames, settings.frames)
-    return Motion(points, frames, speeds[:frames], bool(settled))
+    has_friction = np.zeros(count, bool)
+    has_friction[[] if with_friction is None else with_friction] = True
+    model = Model(
+        Triangles(rest.faces.astype(np.int64), MAX_LIFT * _side_lengths(rest, count)),
+        Springs(rest.edges.astype(np.int64), rest.length, stiffness),
+        Bending(bending.indptr, bending.indices, bending.data),
+        Masses(1.0 / inertia, weight / inertia),
+        _pins(attachment, inertia, step),
+        has_friction,
+        Field(field.values, field.origin, 1.0 / field.cell),
+        Material(fabric.thickness, fabric.friction, fabric.damping),
+    )
+    return model, Schedule(settings.gather_frames, settings.min_frames, substeps, refresh)
 
 
-def _initial_state(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """How far each vertex went, its plane, how long that is left alone, and its lift."""
+def _initial_state(count: int) -> State:
+    """No motion, no contact yet, and no lift."""
     planes = np.zeros((count, 4))
     planes[:, 3] = -np.inf
-    return np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count)
+    return State(np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count))
 
 
 def _flat(rest: Rest) -> Float[np.ndarray, "face 3 2"]:
@@ -198,26 +234,27 @@ def _side_lengths(rest: Rest, count: int) -> Float[np.ndarray, " vertex"]:
     return total / np.maximum(np.bincount(ends, minlength=count), 1)
 
 
-def _substeps(frequency: Float[np.ndarray, " vertex"], most: int) -> int:
+def _substeps(frequency: Float[np.ndarray, " vertex"], max_substeps: int) -> int:
     """Steps a frame that keep most vertices stable with no added inertia."""
-    needed = FRAME * sqrt(float(np.percentile(frequency, MOST_VERTICES)) / STABLE)
-    return min(max(ceil(needed), 2), most)
+    needed = FRAME * sqrt(float(np.percentile(frequency, STABLE_PERCENT)) / STABLE)
+    return min(max(ceil(needed), 2), max_substeps)
 
 
 def _refresh(frequency: Float[np.ndarray, " vertex"], step: float) -> int:
     """Steps for which bending forces may be kept with no added inertia of most vertices."""
-    stiffest = float(np.percentile(frequency, MOST_VERTICES))
-    return int(min(max(sqrt(BEND_STABLE / max(stiffest, SHORTEST)) / step, 1), REFRESH))
+    stiffest = float(np.percentile(frequency, STABLE_PERCENT))
+    return int(min(max(sqrt(BEND_STABLE / max(stiffest, MIN_LENGTH)) / step, 1), MAX_REFRESH))
 
 
-def _held(
+def _pins(
     attachment: Attachment | None, inertia: Float[np.ndarray, " vertex"], step: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Held vertices, targets, the share of the way there that a step goes, its most [cm]."""
+) -> Pins:
+    """Springs to the targets as an implicit step solves them: h^2 k / m over one more than that."""
     if attachment is None:
-        return np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
+        return Pins(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
     vertices = attachment.vertices.astype(np.int64)
     strength = attachment.stiffness * (step**2 / inertia[vertices])[:, None]
     share = 1.0 - 1.0 / (1.0 + strength)
-    most = attachment.most * step**2 / inertia[vertices]
-    return vertices, np.ascontiguousarray(attachment.targets, dtype=float), share, most
+    max_shift = attachment.max_force * step**2 / inertia[vertices]
+    targets = np.ascontiguousarray(attachment.targets, dtype=float)
+    return Pins(vertices, targets, share, max_shift)
