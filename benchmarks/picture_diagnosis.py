@@ -33,7 +33,7 @@ from garmentimage.learn.data.images import read_album
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.similarity import likeness
 from garmentimage.networks.decoded import step_of
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
+from garmentimage.raster.channels import join_channels, split_channels
 
 WEIGHTS = 1.0, 3.0**0.5, 3.0, 5.0
 FIFTHS = np.linspace(0, 1, 6)
@@ -180,13 +180,10 @@ def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
 
 def freed(channels: Float32[np.ndarray, "34 row col"], weight: float) -> np.ndarray:
     """The same, as if boundaries had not had a weight in training."""
-    layers = channels.reshape(2, CHANNELS_PER_LAYER, *channels.shape[1:]).copy()
-    shares = layers[:, 1 : 1 + 2 * EDGE_TYPE_COUNT].reshape(2, 2, EDGE_TYPE_COUNT, -1)
+    flags, types, vectors = split_channels(channels)
+    shares = types.copy()
     shares[:, :, 0] *= weight
-    layers[:, 1 : 1 + 2 * EDGE_TYPE_COUNT] = (shares / shares.sum(2, keepdims=True)).reshape(
-        2, 2 * EDGE_TYPE_COUNT, *channels.shape[1:]
-    )
-    return layers.reshape(channels.shape)
+    return join_channels(flags, shares / shares.sum(axis=2, keepdims=True), vectors)
 
 
 def painted(

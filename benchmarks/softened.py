@@ -28,7 +28,12 @@ import garmentimage as gi
 from garmentimage.errors import DecodeError
 from garmentimage.metrics.similarity import likeness
 from garmentimage.raster.channel_kind import ChannelKind
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
+from garmentimage.raster.channels import (
+    CHANNELS_PER_LAYER,
+    EDGE_TYPE_COUNT,
+    join_channels,
+    split_channels,
+)
 from garmentimage.raster.repair.repairer import LEVELS, RepairLevel, repair
 
 SHARES = 0.9, 0.99, 0.999
@@ -135,9 +140,7 @@ def softened(
     image: gi.GarmentImage, share: float, rng: np.random.Generator | None = None
 ) -> np.ndarray:
     """Channels in which all that is true has a share; `rng` draws noise for their logits."""
-    block = image.to_channels().astype(float).reshape(image.layers, CHANNELS_PER_LAYER, -1)
-    flags = block[:, :1]
-    types = block[:, 1 : 1 + 2 * EDGE_TYPE_COUNT].reshape(image.layers, 2, EDGE_TYPE_COUNT, -1)
+    flags, types, vectors = split_channels(image.to_channels().astype(float))
     rest = (1 - share) / (EDGE_TYPE_COUNT - 1)
     odds = (2 * flags - 1) * np.log(share / (1 - share))
     each = np.log(np.where(types > 0.5, share, rest))
@@ -145,11 +148,8 @@ def softened(
         odds = odds + rng.normal(0, NOISE_NATS, odds.shape)
         each = each + rng.normal(0, NOISE_NATS, each.shape)
     weights = np.exp(each)
-    shares = (weights / weights.sum(axis=2, keepdims=True)).reshape(
-        image.layers, -1, flags.shape[2]
-    )
-    parts = [1 / (1 + np.exp(-odds)), shares, block[:, 1 + 2 * EDGE_TYPE_COUNT :]]
-    return np.concatenate(parts, axis=1).reshape(-1, image.grid, image.grid)
+    shares = weights / weights.sum(axis=2, keepdims=True)
+    return join_channels(1 / (1 + np.exp(-odds)), shares, vectors)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from garmentimage.errors import ImageError, OutputError
-from garmentimage.raster.channels import AUTHORS_CELL_CM
+from garmentimage.raster.authors_layout import AUTHORS_CELL_CM
 from garmentimage.raster.files import load_channels, load_image, save_image
 from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
 from tests.images import images

@@ -9,8 +9,9 @@ from garmentimage.draft.kinds import KINDS
 from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.errors import EncodeError, ImageError
 from garmentimage.raster.channel_kind import CHANNEL_KINDS
+from garmentimage.raster.channels import CHANNELS_PER_LAYER
 from garmentimage.raster.encode.encoder import encode
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EdgeType, GarmentImage
+from garmentimage.raster.image import EdgeType, GarmentImage
 from garmentimage.raster.repair.repairer import LEVELS, repair
 from garmentimage.raster.repair.walls import RARE_COST
 from tests.garments import garments

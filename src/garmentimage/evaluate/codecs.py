@@ -13,7 +13,7 @@ from garmentimage.errors import DecodeError
 from garmentimage.latent import LatentSpace
 from garmentimage.networks import Latent, Step, step_of
 from garmentimage.pattern import Pattern
-from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
+from garmentimage.raster import join_channels, split_channels
 from garmentimage.raster.encode import encode
 from garmentimage.raster.repair import RepairLevel
 
@@ -83,14 +83,11 @@ class PlainCodec:
         Flags and edge types are taken as shares; where several garments have cloth in a cell,
         its edge vectors are their mean.
         """
-        channels = z.reshape(2, CHANNELS_PER_LAYER, self.grid, self.grid).copy()
-        cloth = np.maximum(channels[:, :1], 0.5)
-        channels[:, CHANNELS_PER_LAYER - 8 :] /= cloth
-        channels[:, 0] = channels[:, 0].clip(0, 1)
-        for first in (1, 1 + EDGE_TYPE_COUNT):
-            shares = channels[:, first : first + EDGE_TYPE_COUNT].clip(0)
-            channels[:, first : first + EDGE_TYPE_COUNT] = shares / shares.sum(1, keepdims=True)
-        return step_of(z, channels.reshape(-1, self.grid, self.grid), "full")
+        flags, types, vectors = split_channels(z.reshape(-1, self.grid, self.grid))
+        vectors = vectors / np.maximum(flags, 0.5)[:, None, None]
+        shares = types.clip(0)
+        shares = shares / shares.sum(axis=2, keepdims=True)
+        return step_of(z, join_channels(flags.clip(0, 1), shares, vectors), "full")
 
 
 class VectorCodec:

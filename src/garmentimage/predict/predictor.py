@@ -25,7 +25,7 @@ from garmentimage.networks import (
     step_of,
 )
 from garmentimage.predict.photo import EMPTY, Box, Photo, as_photo, framed
-from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT
+from garmentimage.raster import split_channels
 from garmentimage.raster.repair import RepairLevel
 
 if TYPE_CHECKING:
@@ -191,11 +191,8 @@ def _shares(
     channels: Float32[np.ndarray, "34 row col"],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of each cell how sure its flag is, and its edge types, and whether it may be inside."""
-    layers = channels.reshape(-1, CHANNELS_PER_LAYER, *channels.shape[1:])
-    inside = layers[:, 0]
-    kinds = layers[:, 1 : 1 + 2 * EDGE_TYPE_COUNT]
-    types = kinds.reshape(len(layers), 2, EDGE_TYPE_COUNT, *inside.shape[1:]).max(2).mean(1)
-    return np.abs(2 * inside - 1), types, inside > 0.05
+    inside, types, _ = split_channels(channels)
+    return np.abs(2 * inside - 1), types.max(axis=2).mean(axis=1), inside > 0.05
 
 
 def shrunk(pixels: UInt8[np.ndarray, "row col 3"]) -> Float[np.ndarray, " number"]:

@@ -1,3 +1,10 @@
+from .channels import (
+    CHANNEL_CONTRACT as CHANNEL_CONTRACT,
+    CHANNELS_PER_LAYER as CHANNELS_PER_LAYER,
+    EDGE_TYPE_COUNT as EDGE_TYPE_COUNT,
+    join_channels as join_channels,
+    split_channels as split_channels,
+)
 from .files import (
     image_bytes as image_bytes,
     load_channels as load_channels,
@@ -9,9 +16,6 @@ from .frame import (
 )
 from .image import (
     BOTTOM as BOTTOM,
-    CHANNEL_CONTRACT as CHANNEL_CONTRACT,
-    CHANNELS_PER_LAYER as CHANNELS_PER_LAYER,
-    EDGE_TYPE_COUNT as EDGE_TYPE_COUNT,
     LEFT as LEFT,
     EdgeType as EdgeType,
     GarmentImage as GarmentImage,

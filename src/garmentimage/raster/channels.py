@@ -1,120 +1,111 @@
-"""The two orders that channels come in: ours, and that of the GarmentImage authors' own files.
+"""The 17 channels of a layer: the one place that knows which of them is what.
 
-The authors' arrays are float64 [34, N, N], axes [channel, x, y], y = 0 at the bottom. Per layer:
-inside flag; (dx, dy) of the bottom, left, top, right grid edge, less the edge at rest, in cells;
-one-hot type of the bottom edge, then of the left edge (none, side-by-side, front-to-back,
-boundary). Their cell measures 32 px at 2.75 px a cm; the file does not tell.
+    0       inside flag
+    1-4     type of the bottom grid edge, one-hot in the order of `EdgeType`
+    5-8     type of the left grid edge, likewise
+    9-16    (dx, dy) of the bottom, right, top and left edge vector [cm]
+
+Layers follow each other, the front first. Numbers of flags and types may also be probabilities or
+logits, as networks give them; nothing here looks at values but `check_channels`.
 """
 
-from enum import StrEnum
+from typing import Any, TypeVar
 
 import numpy as np
-from jaxtyping import Float, Float64
+from jaxtyping import Bool, Float64, Integer
 
 from garmentimage.errors import ImageError
-from garmentimage.raster.channel_kind import are_channels
-from garmentimage.raster.image import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, GarmentImage
 
-AUTHORS_CELL_CM = 32 / 2.75
-"""Side of a cell in the authors' files [cm], about 11.636."""
+EDGE_TYPE_COUNT = 4
+VECTOR_COUNT = 4
+CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 2 * VECTOR_COUNT
+CHANNEL_CONTRACT = "garmentimage-1"
+"""What channels mean: their order and units, and the frame. Networks are made for one of these."""
 
-# Ours <-> theirs; both orders swap the second and the fourth of four, so each is its own inverse.
-_TYPES = [0, 3, 2, 1]
-_VECTORS = [0, 3, 2, 1]
-_REST = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0], [0.0, 1.0]])
-"""Bottom, right, top, left vectors of a cell at rest, in cells."""
+GRID_LIMITS = (4, 256)
+"""Smallest and largest grid that files may have."""
+MAX_LAYERS = 16
 
-SHARE_TOL = 0.02
-"""How far four values may miss being the shares of one whole."""
-
-
-class ChannelOrder(StrEnum):
-    """Which order a bare array of channels is in."""
-
-    OURS = "garmentimage"
-    AUTHORS = "authors"
+Array = TypeVar("Array")
+"""A numpy array or a torch tensor."""
 
 
-def to_authors(
-    image: GarmentImage, *, cell: float = AUTHORS_CELL_CM
-) -> Float64[np.ndarray, "34 x y"]:
-    """The image as the authors store it.
+def split_channels(channels: Array) -> tuple[Array, Array, Array]:
+    """Flags, edge types and edge vectors of images; views where the memory allows.
 
     Args:
-        image: two layers, any grid.
-        cell: side of the authors' cell [cm].
+        channels: [..., 17 L, row, col], an array or a tensor.
 
-    Raises:
-        ImageError: the image has not just a front and a back layer.
+    Returns:
+        Flags [..., L, row, col]; types [..., L, 2, 4, row, col], of the bottom and the left grid
+        edge; vectors [..., L, 4, 2, row, col].
     """
-    if image.layers != 2:
-        raise ImageError(
-            f"the authors' .npy holds two layers, this image has {image.layers}; save it as .npz"
-        )
-    rest = _REST[:, :, None, None]
-    blocks = []
-    for layer in range(2):
-        inside = image.inside[layer].astype(np.float64)
-        moved = image.deformation[layer].astype(np.float64) / cell - rest
-        moved = np.where(image.inside[layer], moved, 0.0)[_VECTORS]
-        one_hot = image.edge_type[layer][:, None] == np.array(_TYPES)[:, None, None]
-        blocks += [inside[None], moved.reshape(8, *inside.shape)]
-        blocks += [one_hot.astype(np.float64).reshape(8, *inside.shape)]
-    return np.ascontiguousarray(np.concatenate(blocks).transpose(0, 2, 1))
+    array: Any = channels
+    *images, depth, rows, cols = array.shape
+    layers = depth // CHANNELS_PER_LAYER
+    block = array.reshape(*images, layers, CHANNELS_PER_LAYER, rows, cols)
+    first_vector = 1 + 2 * EDGE_TYPE_COUNT
+    types = block[..., 1:first_vector, :, :]
+    vectors = block[..., first_vector:, :, :]
+    return (
+        block[..., 0, :, :],
+        types.reshape(*images, layers, 2, EDGE_TYPE_COUNT, rows, cols),
+        vectors.reshape(*images, layers, VECTOR_COUNT, 2, rows, cols),
+    )
 
 
-def channels_from_authors(
-    array: np.ndarray, *, cell: float = AUTHORS_CELL_CM
-) -> Float[np.ndarray, "34 row col"]:
-    """An array in the authors' order as channels in ours; soft values stay soft.
-
-    Args:
-        array: [34, N, N], axes [channel, x, y].
-        cell: side of the authors' cell [cm].
-    """
-    array = np.asarray(array, dtype=np.float64).transpose(0, 2, 1)
-    block = array.reshape(2, CHANNELS_PER_LAYER, *array.shape[1:])
-    moved = block[:, 1:9].reshape(2, 4, 2, *array.shape[1:])[:, _VECTORS]
-    deformation = (moved + _REST[:, :, None, None]) * cell
-    types = block[:, 9:].reshape(2, 2, EDGE_TYPE_COUNT, *array.shape[1:])[:, :, _TYPES]
+def join_channels(flags: Array, types: Array, vectors: Array) -> Array:
+    """Channels [..., 17 L, row, col] from what `split_channels` gives; a new array or tensor."""
+    *images, layers, rows, cols = flags.shape  # type: ignore[attr-defined]
     parts = [
-        block[:, :1],
-        types.reshape(2, 8, *array.shape[1:]),
-        deformation.reshape(2, 8, *array.shape[1:]),
+        part.reshape(*images, layers, -1, rows, cols)  # type: ignore[attr-defined]
+        for part in (flags, types, vectors)
     ]
-    return np.concatenate(parts, axis=1).reshape(array.shape)
+    joined: Any
+    if isinstance(flags, np.ndarray):
+        joined = np.concatenate(parts, axis=-3)
+    else:
+        from torch import cat
+
+        joined = cat(parts, dim=-3)
+    return joined.reshape(*images, layers * CHANNELS_PER_LAYER, rows, cols)  # type: ignore[no-any-return]
 
 
-def order_of(array: np.ndarray) -> ChannelOrder:
-    """Which order the channels of `array` are in, told by where the edge types stand.
+def one_hot(
+    edge_type: Integer[np.ndarray, "*n row col"],
+) -> Bool[np.ndarray, "*n 4 row col"]:
+    """Which of the four types each grid edge has."""
+    is_type: Bool[np.ndarray, "*n 4 row col"] = (
+        edge_type[..., None, :, :] == np.arange(EDGE_TYPE_COUNT)[:, None, None]
+    )
+    return is_type
 
-    In each order two groups of four channels are the shares of the four types, which add up to
-    one in every cell; the deformation, which stands there in the other order, is zero in the
-    cells outside. So a garment that leaves one cell free fits one order at most. Where neither
-    fits, channels that are shares but for the errors of a network do.
+
+def check_channels(array: Any) -> Float64[np.ndarray, "channel row col"]:
+    """`array` as float64 [17 L, N, N].
+
+    Args:
+        array: [17 L, N, N] or [L, 17, N, N], any real type.
 
     Raises:
-        ImageError: neither order fits (logits, say), or both do.
+        ImageError: a wrong shape, or values that are not finite.
     """
-    count = array.shape[0]
-    block = array.reshape(-1, CHANNELS_PER_LAYER, *array.shape[1:])
-    ours = theirs = False
-    for are_shares in (_are_shares, _are_nearly_shares):
-        ours = are_shares(block[:, 1:9])
-        theirs = count == 2 * CHANNELS_PER_LAYER and are_shares(block[:, 9:])
-        if ours != theirs:
-            return ChannelOrder.OURS if ours else ChannelOrder.AUTHORS
-        if ours:
-            break
-    fits = "both orders of channels fit" if ours else "neither order of channels fits"
-    raise ImageError(f"{fits}; say which it is, order 'garmentimage' or 'authors' (--order)")
-
-
-def _are_nearly_shares(values: np.ndarray) -> bool:
-    return are_channels(values.reshape(len(values), 2, EDGE_TYPE_COUNT, *values.shape[2:]))
-
-
-def _are_shares(values: np.ndarray) -> bool:
-    groups = values.reshape(len(values), 2, EDGE_TYPE_COUNT, *values.shape[2:])
-    near_one = np.abs(groups.sum(axis=2) - 1) <= SHARE_TOL
-    return bool(near_one.all() and groups.min() >= -SHARE_TOL and groups.max() <= 1 + SHARE_TOL)
+    try:
+        array = np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ImageError(
+            f"channels are not an array of numbers ({error}); load_image(path) reads a file"
+        ) from None
+    if array.ndim == 4 and array.shape[1] == CHANNELS_PER_LAYER:  # as rows of a dataset have it
+        array = array.reshape(-1, *array.shape[2:])
+    if array.ndim != 3 or array.shape[1] != array.shape[2]:
+        raise ImageError(f"channels have shape {array.shape}; wanted [17 x layers, N, N]")
+    count, grid = array.shape[0], array.shape[1]
+    if count == 0 or count % CHANNELS_PER_LAYER or count > MAX_LAYERS * CHANNELS_PER_LAYER:
+        raise ImageError(f"{count} channels; each layer has {CHANNELS_PER_LAYER} (34 for two)")
+    if not GRID_LIMITS[0] <= grid <= GRID_LIMITS[1]:
+        raise ImageError(f"a grid of {grid} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")
+    if not (np.abs(array) <= np.finfo(np.float32).max).all():
+        raise ImageError("channels hold values that are not finite (NaN, infinity or over 3e38)")
+    checked: Float64[np.ndarray, "channel row col"] = array
+    return checked

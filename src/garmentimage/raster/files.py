@@ -14,15 +14,18 @@ from typing import Any
 import numpy as np
 
 from garmentimage.errors import ImageError, OutputError, check_type
+from garmentimage.raster.authors_layout import (
+    ChannelOrder,
+    channels_from_authors,
+    order_of,
+    to_authors,
+)
 from garmentimage.raster.channel_kind import ChannelKind
-from garmentimage.raster.channels import ChannelOrder, channels_from_authors, order_of, to_authors
+from garmentimage.raster.channels import GRID_LIMITS, MAX_LAYERS, check_channels
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import (
-    GRID_LIMITS,
-    LAYER_LIMIT,
     EdgeType,
     GarmentImage,
-    check_channels,
 )
 from garmentimage.raster.panel_marks import mark_from_json, mark_to_json, read_text
 from garmentimage.system import (
@@ -196,7 +199,7 @@ def _from_arrays(arrays: dict[str, np.ndarray], path: Path) -> GarmentImage:
 
 def _size(inside: np.ndarray) -> tuple[int, int]:
     shape = inside.shape
-    if len(shape) != 3 or not 0 < shape[0] <= LAYER_LIMIT:
+    if len(shape) != 3 or not 0 < shape[0] <= MAX_LAYERS:
         raise ImageError(f"array 'inside' has shape {shape}, wanted (layers, N, N)")
     if not GRID_LIMITS[0] <= shape[1] <= GRID_LIMITS[1]:
         raise ImageError(f"a grid of {shape[1]} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")

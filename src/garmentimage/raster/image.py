@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float32, Int8
 from garmentimage.errors import ImageError
 from garmentimage.pattern import Point, Vector
 from garmentimage.raster.channel_kind import ChannelKind, check_kind, kind_of
+from garmentimage.raster.channels import check_channels, join_channels, one_hot, split_channels
 from garmentimage.raster.frame import BodyFrame
 
 
@@ -35,15 +36,6 @@ BOTTOM, LEFT = 0, 1
 
 VECTORS = ("bottom", "right", "top", "left")
 """Order of the four edge vectors; bottom and top point right, left and right point up."""
-
-GRID_LIMITS = (4, 256)
-"""Smallest and largest grid that files may have."""
-LAYER_LIMIT = 16
-EDGE_TYPE_COUNT = len(EdgeType)
-CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 8
-CHANNEL_CONTRACT = "garmentimage-1"
-"""What channels mean: their order and units, and the frame. Networks are made for one of these."""
-
 
 Division = tuple[int, int, int, tuple[float, ...]]
 """(row, column) of a cell, its side (0 bottom, 1 right, 2 top, 3 left), and the shares of that grid
@@ -143,13 +135,8 @@ class GarmentImage:
         Inside flag; bottom edge one-hot (NON_BOUNDARY, NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE);
         left edge one-hot, same order; (dx, dy) of bottom, right, top, left edge vectors [cm].
         """
-        types = np.arange(EDGE_TYPE_COUNT)[:, None, None]
-        blocks = []
-        for layer in range(self.layers):
-            blocks.append(self.inside[layer][None].astype(np.float32))
-            blocks.extend((self.edge_type[layer, h] == types).astype(np.float32) for h in (0, 1))
-            blocks.append(self.deformation[layer].reshape(8, self.grid, self.grid))
-        return np.concatenate(blocks).astype(np.float32)
+        joined = join_channels(self.inside, one_hot(self.edge_type), self.deformation)
+        return joined.astype(np.float32)
 
     @classmethod
     def from_channels(
@@ -173,7 +160,7 @@ class GarmentImage:
         Raises:
             ImageError: a wrong shape, values that are not finite, or no such kind.
         """
-        flags, types, vectors = split_channels(array)
+        flags, types, vectors = split_channels(check_channels(array))
         layers, grid = len(flags), flags.shape[-1]
         inside = flags > (0.0 if known_kind(flags, types, kind) == "logits" else 0.5)
         deformation = np.where(inside[:, None, None], vectors, 0.0).astype(np.float32)
@@ -200,40 +187,6 @@ def default_layer_names(layers: int) -> tuple[str, ...]:
     )
 
 
-def check_channels(array: np.ndarray) -> np.ndarray:
-    """`array` as float64 [17 L, N, N], or an ImageError that says what is wrong with it."""
-    try:
-        array = np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise ImageError(
-            f"channels are not an array of numbers ({error}); load_image(path) reads a file"
-        ) from None
-    if array.ndim == 4 and array.shape[1] == CHANNELS_PER_LAYER:  # as rows of a dataset have it
-        array = array.reshape(-1, *array.shape[2:])
-    if array.ndim != 3 or array.shape[1] != array.shape[2]:
-        raise ImageError(f"channels have shape {array.shape}; wanted [17 x layers, N, N]")
-    count, grid = array.shape[0], array.shape[1]
-    if count == 0 or count % CHANNELS_PER_LAYER or count > LAYER_LIMIT * CHANNELS_PER_LAYER:
-        raise ImageError(f"{count} channels; each layer has {CHANNELS_PER_LAYER} (34 for two)")
-    if not GRID_LIMITS[0] <= grid <= GRID_LIMITS[1]:
-        raise ImageError(f"a grid of {grid} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")
-    if not (np.abs(array) <= np.finfo(np.float32).max).all():
-        raise ImageError("channels hold values that are not finite (NaN, infinity or over 3e38)")
-    return array
-
-
-def split_channels(array: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Flags [layer, row, col], edge types [layer, 2, 4, row, col], vectors [layer, 4, 2, row, col].
-
-    Raises:
-        ImageError: as `check_channels`.
-    """
-    array = check_channels(array)
-    block = array.reshape(-1, CHANNELS_PER_LAYER, *array.shape[1:])
-    types = block[:, 1:9].reshape(len(block), 2, EDGE_TYPE_COUNT, *array.shape[1:])
-    return block[:, 0], types, block[:, 9:].reshape(len(block), 4, 2, *array.shape[1:])
-
-
 def known_kind(flags: np.ndarray, types: np.ndarray, kind: ChannelKind | None) -> ChannelKind:
     """The kind that was said, or the one that the numbers look like.
 
@@ -254,12 +207,10 @@ def mirrored_channels(
     The left edge of a cell is the right one of its mirror image; beyond the last column there is
     none, and the first column's stands in for it.
     """
-    count, depth, grid, _ = channels.shape
-    turned = channels[..., ::-1].reshape(count, -1, CHANNELS_PER_LAYER, grid, grid)
-    inside, bottom, left, vectors = np.split(turned, [1, 5, 9], axis=2)
-    left = np.concatenate([left[..., :1], left[..., :-1]], -1)
-    edges = vectors.reshape(count, -1, 4, 2, grid, grid)[:, :, [0, 3, 2, 1]]
+    flags, types, vectors = split_channels(channels[..., ::-1])
+    left = types[:, :, LEFT]
+    left = np.concatenate([left[..., :1], left[..., :-1]], axis=-1)
+    edges = vectors[:, :, [0, 3, 2, 1]]
     across, upright = np.array([1, -1], np.float32), np.array([-1, 1], np.float32)
     edges = edges * np.stack([across, upright, across, upright])[:, :, None, None]
-    parts = [inside, bottom, left, edges.reshape(vectors.shape)]
-    return np.concatenate(parts, 2).reshape(count, depth, grid, grid)
+    return join_channels(flags, np.stack([types[:, :, BOTTOM], left], axis=2), edges)

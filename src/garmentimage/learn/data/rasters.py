@@ -10,13 +10,13 @@ from torch import Tensor
 
 from garmentimage.dataset import rasters, tables
 from garmentimage.errors import DatasetError
-from garmentimage.raster import EDGE_TYPE_COUNT, BodyFrame
+from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, BodyFrame, split_channels
 from garmentimage.system import shown_path
 
 LAYERS = 2
 VECTOR_CM = 10.0
 """Unit in which networks see how an edge vector differs from the grid's own [cm]."""
-INPUTS = LAYERS * (1 + 2 * EDGE_TYPE_COUNT + 8)
+INPUTS = LAYERS * CHANNELS_PER_LAYER
 """Channels of an image, 34."""
 
 
@@ -97,10 +97,11 @@ def read_rasters(folder: str | Path, split: str) -> Labelled:
 def from_channels(channels: Float[np.ndarray, "n 2 17 row col"]) -> Rasters:
     """Images as `GarmentImage.to_channels` gives them, layer by layer."""
     count, grid = len(channels), channels.shape[-1]
-    inside = channels[:, :, 0] > 0.5
-    one_hot = channels[:, :, 1:9].reshape(count, LAYERS, 2, EDGE_TYPE_COUNT, grid, grid)
+    flags, one_hot, edges = split_channels(channels.reshape(count, INPUTS, grid, grid))
+    inside = flags > 0.5
     types = one_hot.argmax(3).reshape(count, 2 * LAYERS, grid, grid)
-    vectors = (channels[:, :, 9:] - rest_vectors(grid)) / VECTOR_CM * inside[:, :, None]
+    rest = rest_vectors(grid).reshape(4, 2, grid, grid)
+    vectors = (edges - rest) / VECTOR_CM * inside[:, :, None, None]
     return Rasters(
         torch.from_numpy(inside.astype(np.int8)),
         torch.from_numpy(types.astype(np.int8)),

@@ -18,7 +18,7 @@ from torch.nn import functional
 
 from garmentimage.errors import LearnError, quoted
 from garmentimage.learn.data import INPUTS, LAYERS, VECTOR_CM, Rasters, rest_vectors
-from garmentimage.raster import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
+from garmentimage.raster import CHANNEL_CONTRACT, EDGE_TYPE_COUNT, join_channels, split_channels
 
 FLAGS, TYPES = LAYERS, 2 * LAYERS * EDGE_TYPE_COUNT
 """Channels of a network's images: flags, then edge types, then vectors."""
@@ -177,21 +177,17 @@ def image_losses(
 
 def from_channels(channels: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
     """Channels, as `GarmentImage.to_channels` gives them, in the order of `Rasters.inputs`."""
-    layers = channels.unflatten(1, (LAYERS, -1))
-    inside = layers[:, :, :1]
-    rest = torch.from_numpy(rest_vectors(channels.shape[-1])).to(channels)
-    vectors = (layers[:, :, 9:] - rest) / VECTOR_CM * inside
-    return torch.cat(
-        [inside.flatten(1, 2), layers[:, :, 1:9].flatten(1, 2), vectors.flatten(1, 2)], 1
-    )
+    inside, types, edges = split_channels(channels)
+    rest = torch.from_numpy(rest_vectors(channels.shape[-1])).to(channels).unflatten(0, (4, 2))
+    vectors = (edges - rest) / VECTOR_CM * inside[:, :, None, None]
+    return torch.cat([inside, types.flatten(1, 3), vectors.flatten(1, 3)], 1)
 
 
 def to_channels(outputs: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
     """A network's images as channels that `decode` reads: probabilities, and vectors in cm."""
     grid = outputs.shape[-1]
     flags, types, vectors = outputs.split([FLAGS, TYPES, INPUTS - FLAGS - TYPES], 1)
-    shares = types.unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).softmax(3).flatten(2, 3)
-    rest = torch.from_numpy(rest_vectors(grid)).to(outputs)
-    edges = vectors.unflatten(1, (LAYERS, 8)) * VECTOR_CM + rest
-    layers = torch.cat([flags.sigmoid()[:, :, None], shares, edges], 2)
-    return layers.flatten(1, 2)
+    shares = types.unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).softmax(3)
+    rest = torch.from_numpy(rest_vectors(grid)).to(outputs).unflatten(0, (4, 2))
+    edges = vectors.unflatten(1, (LAYERS, 4, 2)) * VECTOR_CM + rest
+    return join_channels(flags.sigmoid(), shares, edges)

@@ -11,13 +11,12 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from garmentimage.raster.channel_kind import ChannelKind
+from garmentimage.raster.channels import EDGE_TYPE_COUNT, check_channels, one_hot, split_channels
 from garmentimage.raster.image import (
     BOTTOM,
-    EDGE_TYPE_COUNT,
     LEFT,
     EdgeType,
     GarmentImage,
-    split_channels,
 )
 from garmentimage.raster.repair._kernels import minimise_pair
 
@@ -51,7 +50,7 @@ def read_beliefs(array: np.ndarray, kind: ChannelKind) -> Beliefs:
     Raises:
         ImageError: a wrong shape, or values that are not finite.
     """
-    flags, types, vectors = split_channels(array)
+    flags, types, vectors = split_channels(check_channels(array))
     if kind == "channels":
         decided = certain(GarmentImage.from_channels(array, kind=kind))
         return Beliefs(decided.inside, decided.types, vectors)
@@ -73,8 +72,7 @@ def _cost(probability: np.ndarray) -> np.ndarray:
 def certain(image: GarmentImage) -> Beliefs:
     """The beliefs of someone who believes every channel of `image`."""
     inside = np.where(np.stack([image.inside, ~image.inside]), CERTAIN_COST, 0.0)
-    one_hot = image.edge_type[:, :, None] == np.arange(EDGE_TYPE_COUNT)[:, None, None]
-    return Beliefs(inside, np.where(one_hot, 0.0, CERTAIN_COST), image.deformation)
+    return Beliefs(inside, np.where(one_hot(image.edge_type), 0.0, CERTAIN_COST), image.deformation)
 
 
 def with_neighbours(
@@ -84,8 +82,8 @@ def with_neighbours(
     layers, _, grid, _ = types.shape
     # Number of grid edges of each type at every lattice point.
     at_point = np.zeros((layers, EDGE_TYPE_COUNT, grid + 1, grid + 1))
-    one_hot = (types[:, :, None] == np.arange(EDGE_TYPE_COUNT)[:, None, None]).astype(float)
-    bottom, left = one_hot[:, BOTTOM], one_hot[:, LEFT]
+    is_type = one_hot(types).astype(float)
+    bottom, left = is_type[:, BOTTOM], is_type[:, LEFT]
     at_point[:, :, :-1, :-1] += bottom + left
     at_point[:, :, :-1, 1:] += bottom
     at_point[:, :, 1:, :-1] += left

@@ -12,13 +12,13 @@ import numpy as np
 
 from garmentimage.errors import ImageError
 from garmentimage.raster.channel_kind import ChannelKind, is_plain
+from garmentimage.raster.channels import check_channels, split_channels
 from garmentimage.raster.image import (
     BOTTOM,
     LEFT,
     EdgeType,
     GarmentImage,
     known_kind,
-    split_channels,
 )
 from garmentimage.raster.repair.labelling import (
     Beliefs,
@@ -102,7 +102,7 @@ def repair(
         report = RepairReport(level)
         mended, counts = _repaired(image, level, None)
     else:
-        flags, types, _ = split_channels(image)
+        flags, types, _ = split_channels(check_channels(image))
         known = known_kind(flags, types, kind)
         report = RepairReport(level, {}, known, kind is None and not is_plain(flags, types))
         given = GarmentImage.from_channels(image, kind=known)
