@@ -10,7 +10,8 @@ from PIL import Image
 from garmentimage.cli.app import main
 from garmentimage.dataset.read import row_count, shard_files
 from garmentimage.errors import DatasetError
-from garmentimage.evaluate.image import ImageAmounts, Item, evaluate_images, summary, with_parts
+from garmentimage.evaluate.amounts import ImageAmounts
+from garmentimage.evaluate.image import Item, evaluate_images, summary, with_parts
 from garmentimage.evaluate.predictors import Guesser, guessing, named
 from garmentimage.evaluate.splits import check_splits, groups
 from garmentimage.evaluate.table import held_out_table

@@ -7,7 +7,8 @@ import pytest
 from garmentimage.dataset.building import Build, build
 from garmentimage.dataset.recipe import load_recipe
 from garmentimage.errors import LearnError
-from garmentimage.evaluate.latent import Judged, LatentAmounts, evaluate_latent
+from garmentimage.evaluate.amounts import LatentAmounts
+from garmentimage.evaluate.latent import Judged, evaluate_latent
 
 FEW = LatentAmounts(garments=2, pairs=1, triplets=1)
 

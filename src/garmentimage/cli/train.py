@@ -14,7 +14,7 @@ from garmentimage.errors import LearnError, quoted
 from garmentimage.system import shown_path
 
 if TYPE_CHECKING:
-    from garmentimage.learn import Settings
+    from garmentimage.learn import TrainingSettings
 
 BASELINES = ("panel-transformer", "panel-recurrent", "panel-pool")
 NETWORKS = ("vae", "vector-vae", "cascade", *BASELINES, "image-decoder", "denoiser")
@@ -142,11 +142,13 @@ class _Bar:
         )
 
 
-def _settings(options: argparse.Namespace) -> "Settings":
-    from garmentimage.learn import Settings
+def _settings(options: argparse.Namespace) -> "TrainingSettings":
+    from garmentimage.learn import TrainingSettings
 
     given = {name: getattr(options, name) for name in OF_SETTINGS}
-    settings = Settings(**{name: value for name, value in given.items() if value is not None})
+    settings = TrainingSettings(
+        **{name: value for name, value in given.items() if value is not None}
+    )
     for name, known in (("accelerator", ACCELERATORS), ("precision", PRECISIONS)):
         if getattr(settings, name) not in known:
             raise LearnError(
@@ -186,7 +188,10 @@ def _data_facts(folder: Path) -> dict[str, Any]:
 
 
 def _told(
-    options: argparse.Namespace, settings: "Settings", log: tuple[dict[str, float], ...], count: int
+    options: argparse.Namespace,
+    settings: "TrainingSettings",
+    log: tuple[dict[str, float], ...],
+    count: int,
 ) -> dict[str, Any]:
     from garmentimage.dataset import dataset_hash, summary_of
     from garmentimage.learn import RUN_FILE

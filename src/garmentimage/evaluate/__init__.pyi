@@ -1,3 +1,7 @@
+from .amounts import (
+    ImageAmounts as ImageAmounts,
+    LatentAmounts as LatentAmounts,
+)
 from .edit_triplets import (
     EDITS as EDITS,
 )
@@ -9,7 +13,6 @@ from .figure import (
 )
 from .image import (
     CALLED as CALLED,
-    ImageAmounts as ImageAmounts,
     evaluate_images as evaluate_images,
     garments as garments,
     has_unseen as has_unseen,
@@ -19,7 +22,6 @@ from .image import (
 from .latent import (
     STEPS as STEPS,
     Judged as Judged,
-    LatentAmounts as LatentAmounts,
     codec_of as codec_of,
     evaluate_latent as evaluate_latent,
     facts as facts,

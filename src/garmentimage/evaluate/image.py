@@ -17,6 +17,7 @@ import numpy as np
 
 from garmentimage.dataset import dataset_hash
 from garmentimage.errors import LearnError
+from garmentimage.evaluate.amounts import ImageAmounts
 from garmentimage.evaluate.garment import seen
 from garmentimage.evaluate.predictors import GIVEN, Guesser, guessing
 from garmentimage.evaluate.records import Records
@@ -36,22 +37,6 @@ OPENED = "opened.jsonl"
 CALLED = {"test": "seen", "unseen": "unseen"}
 BY_TYPE = "panel_iou", "topology"
 """Figures that are also told of the garments of each type."""
-
-
-@dataclass(frozen=True)
-class ImageAmounts:
-    """How many garments are measured."""
-
-    seen: int = 1000
-    unseen: int = 500
-    parts: int = 300
-    """Of each, by guessers that tell what a part is worth: other repairs, given truths."""
-    draped: int = 200
-    """Of each, draped on the default body."""
-
-    def of(self, split: str) -> int:
-        """Garments of a split."""
-        return self.seen if split == "test" else self.unseen
 
 
 @dataclass(frozen=True)
@@ -98,7 +83,7 @@ def evaluate_images(
     guessers: Sequence[Guesser],
     data: Path,
     folder: Path,
-    amounts: ImageAmounts = ImageAmounts(),
+    amounts: ImageAmounts = ImageAmounts(),  # noqa: B008 - frozen
     *,
     held_out: str = "",
     validation: bool = False,

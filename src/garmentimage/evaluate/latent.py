@@ -18,6 +18,7 @@ import numpy as np
 
 from garmentimage.dataset import dataset_hash, summary_of
 from garmentimage.errors import GarmentImageError, LearnError
+from garmentimage.evaluate.amounts import LatentAmounts
 from garmentimage.evaluate.codecs import Codec, PlainCodec, RasterCodec, VectorCodec
 from garmentimage.evaluate.edit_triplets import EDITS, Triplet, triplets
 from garmentimage.evaluate.garment import (
@@ -56,17 +57,6 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class LatentAmounts:
-    """How many of each are measured."""
-
-    garments: int = 300
-    pairs: int = 200
-    """Half of them within a type, half across types."""
-    triplets: int = 100
-    """Of each edit."""
-
-
-@dataclass(frozen=True)
 class Item:
     """One thing to measure."""
 
@@ -86,7 +76,7 @@ def evaluate_latent(
     networks: Sequence[Judged],
     recipe: str,
     folder: Path,
-    amounts: LatentAmounts = LatentAmounts(),
+    amounts: LatentAmounts = LatentAmounts(),  # noqa: B008 - frozen
     *,
     workers: int = 2,
     progress: Callable[[int, int], None] = lambda done, total: None,

@@ -1,6 +1,9 @@
 from .card import (
     model_card as model_card,
 )
+from .settings import (
+    TrainingSettings as TrainingSettings,
+)
 from .tasks import (
     Wanted as Wanted,
     lesson as lesson,
@@ -8,7 +11,6 @@ from .tasks import (
 from .training import (
     MODEL as MODEL,
     RUN_FILE as RUN_FILE,
-    Settings as Settings,
     train as train,
 )
 from .weights import (

@@ -19,6 +19,7 @@ from lightning_fabric import Fabric
 from torch import Tensor, nn
 
 from garmentimage.errors import LearnError
+from garmentimage.learn.settings import TrainingSettings
 from garmentimage.system import shown_path, source_commit, versions, write_atomically
 
 RUN_FILE, LOG_FILE, CHECKPOINT, CURVES = "run.json", "log.jsonl", "checkpoint.ckpt", "curves.png"
@@ -38,24 +39,6 @@ class Examples(Protocol):
 
 
 @dataclass(frozen=True)
-class Settings:
-    """How a network is trained."""
-
-    epochs: int = 40
-    batch: int = 64
-    rate: float = 2e-3
-    """Highest learning rate; it falls along a cosine."""
-    decay: float = 1e-2
-    """Weight decay."""
-    seed: int = 0
-    accelerator: str = "cpu"
-    devices: int = 1
-    nodes: int = 1
-    precision: str = "auto"
-    """As Lightning Fabric names it; auto: see `fitting_precision`."""
-
-
-@dataclass(frozen=True)
 class Trained:
     """What came of a run."""
 
@@ -70,7 +53,7 @@ def train(
     examples: Examples,
     held_out: Examples,
     folder: Path,
-    settings: Settings,
+    settings: TrainingSettings,
     facts: Mapping[str, Any],
     progress: Callable[[dict[str, float]], None] = lambda line: None,
 ) -> Trained:
@@ -201,7 +184,7 @@ def _follow(average: nn.Module, model: nn.Module, step: int) -> None:
 
 
 @torch.no_grad()
-def _held_out(model: nn.Module, examples: Examples, settings: Settings) -> dict[str, float]:
+def _held_out(model: nn.Module, examples: Examples, settings: TrainingSettings) -> dict[str, float]:
     model.eval()
     torch.manual_seed(settings.seed)
     sums: dict[str, float] = {}
