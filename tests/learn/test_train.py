@@ -12,10 +12,11 @@ from garmentimage.learn.data.pattern_vectors import read_patterns, vectors, voca
 from garmentimage.learn.data.rasters import read_rasters
 from garmentimage.learn.models.garment_vae import GarmentVAE, GarmentVAEConfig, default_config
 from garmentimage.learn.models.vector_vae import VectorVAE, VectorVAEConfig
-from garmentimage.learn.training import Settings, fitting_precision, train
+from garmentimage.learn.settings import TrainingSettings
+from garmentimage.learn.training import fitting_precision, train
 
 TINY = GarmentVAEConfig(channels=(16, 16, 16), latent=8)
-SHORT = Settings(epochs=3, batch=16)
+SHORT = TrainingSettings(epochs=3, batch=16)
 
 
 class Stopped(Exception):

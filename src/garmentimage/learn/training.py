@@ -72,7 +72,7 @@ def train(
         LearnError: the folder holds another run, the accelerator is not there, or the loss is
             no number any more.
     """
-    precision = settings.precision
+    precision: Any = settings.precision
     if precision == "auto":
         precision = fitting_precision(settings.accelerator)
     try:
