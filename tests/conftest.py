@@ -4,10 +4,16 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-# Deadlines measure the machine, not the code; the same examples on every run make failures repeat.
-settings.register_profile("garmentimage", deadline=None, derandomize=True)
+# Deadlines measure the machine, not the code, and so does the time that examples take to draw; the
+# same examples on every run make failures repeat.
+settings.register_profile(
+    "garmentimage",
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow],
+)
 settings.load_profile("garmentimage")
 
 

@@ -143,7 +143,8 @@ def test_legs_of_a_dart_are_equally_long(design):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_low_middle_and_high_designs_can_be_drafted(kind, share):
-    draft_pattern(kind, **values_at(KINDS[kind].parameters, share))
+    pattern = draft_pattern(kind, **values_at(KINDS[kind].parameters, share))
+    assert pattern.stitches and all(panel.outline.area > 1 for panel in pattern.panels)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -111,7 +111,7 @@ def test_a_network_is_not_measured_on_what_it_may_have_learnt_from(
     told["run"]["data_sha256"] = "0" * 64
     (copied / "run.json").write_text(json.dumps(told))
     words = ["evaluate", "image", "--data", str(pictured), "-o", str(tmp_path / "out"), *SMALL]
-    assert main([*words, "--network", str(copied)]) != 0
+    assert main([*words, "--network", str(copied)]) == 2
     assert "was trained on other data than it is to be measured on" in capsys.readouterr().err
 
 
@@ -179,7 +179,7 @@ def test_a_wrong_call_is_told_in_a_sentence(words, message, pictured, runs, tmp_
     monkeypatch.chdir(tmp_path)
     places = {"DATA": str(pictured), "RUN": str(runs / "cascade-0")}
     words = [places.get(word, word) for word in words]
-    assert main(["evaluate", "image", *words, "-o", "out"]) != 0
+    assert main(["evaluate", "image", *words, "-o", "out"]) == 2
     assert message in capsys.readouterr().err
 
 

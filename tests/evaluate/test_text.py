@@ -105,7 +105,7 @@ def test_a_table_has_everyone_who_edits(trained, tmp_path, monkeypatch, capsys):
     ],
 )
 def test_a_wrong_call_is_told_in_a_sentence(words, message, tmp_path, capsys):
-    assert main(["evaluate", "edit", *words, "-o", str(tmp_path / "out")]) != 0
+    assert main(["evaluate", "edit", *words, "-o", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
 
 

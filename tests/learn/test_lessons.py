@@ -84,14 +84,14 @@ def test_a_resnet_from_disk_looks_at_the_pictures(pictured, tmp_path):
     ],
 )
 def test_options_that_a_network_does_not_have_are_refused(words, message, tmp_path, capsys):
-    assert main(["train", *words, "--data", str(tmp_path), "-o", str(tmp_path / "run")]) != 0
+    assert main(["train", *words, "--data", str(tmp_path), "-o", str(tmp_path / "run")]) == 2
     assert message in capsys.readouterr().err
 
 
 @pytest.mark.slow
 def test_a_folder_that_holds_no_resnet_is_refused(pictured, tmp_path, capsys):
     words = ["panel-pool", "--data", pictured, "-o", tmp_path / "run", "--resnet", tmp_path]
-    assert train(*words) != 0 and "holds no ResNet; give a folder" in capsys.readouterr().err
+    assert train(*words) == 2 and "holds no ResNet; give a folder" in capsys.readouterr().err
 
 
 def test_the_command_knows_all_baselines():

@@ -102,16 +102,22 @@ def test_damaged_runs_are_told_by_file(data, tmp_path, name, damage, sentence):
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(torch.cuda.is_available(), reason="this machine has the accelerator")
 def test_an_accelerator_that_is_not_there_leaves_no_run(data, tmp_path):
     folder = tmp_path / "run"
-    if not torch.cuda.is_available():
-        with pytest.raises(LearnError, match="cannot train on this machine"):
-            run(data, folder, replace(SHORT, accelerator="cuda"))
-        assert not folder.exists()
-    (folder / "model").parent.mkdir()
+    with pytest.raises(LearnError, match="cannot train on this machine"):
+        run(data, folder, replace(SHORT, accelerator="cuda"))
+    assert not folder.exists()
+
+
+@pytest.mark.slow
+def test_a_file_named_as_the_folder_of_the_network_is_not_written_over(data, tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
     (folder / "model").write_text("mine")
     with pytest.raises(LearnError, match="model: is in the way"):
         run(data, folder, SHORT)
+    assert (folder / "model").read_text() == "mine"
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from garmentimage import (
     EncodeError,
@@ -24,7 +24,7 @@ from garmentimage.raster.frame import BodyFrame
 from tests.garments import garments
 from tests.raster.mirror import mirrored_pattern, mirrored_types
 
-slowly = settings(max_examples=15, suppress_health_check=list(HealthCheck))
+slowly = settings(max_examples=15)
 
 
 @slowly

@@ -31,7 +31,9 @@ MARK = PanelMark(
     divisions=((2, 5, 0, (0.25, 0.5)), (2, 5, 3, (1.0,))),
 )
 
-in_one_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+in_one_folder = settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from garmentimage import decode, encode, load_pattern
 from garmentimage.compare.judging import judge
@@ -17,7 +17,7 @@ from garmentimage.pattern.seam_runs import STUB_CM
 from garmentimage.raster.encode.joints import Joints, find_joints
 from tests.strangers import doubled, moved, recut, traced
 
-slowly = settings(max_examples=8, suppress_health_check=list(HealthCheck), deadline=None)
+slowly = settings(max_examples=8)
 SPLIT = ("hoodie", "jacket")
 """Kinds whose panels are cut to be drawn, which only marks can join again."""
 

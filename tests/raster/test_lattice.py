@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 
 from garmentimage import EncodeError
 from garmentimage.draft.kinds import draft_pattern
@@ -25,7 +25,7 @@ from garmentimage.raster.encode.placement import place
 from garmentimage.raster.frame import BodyFrame
 from tests.garments import garments
 
-slowly = settings(max_examples=12, suppress_health_check=list(HealthCheck))
+slowly = settings(max_examples=12)
 FINE = 8
 
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from garmentimage import EncodeError, GarmentImageError, decode, encode, load_pattern
 from garmentimage.compare.judging import judge
@@ -33,7 +33,7 @@ from tests.corpus import unpacked
 from tests.garments import garments
 from tests.raster import panels as drawn
 
-slowly = settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
+slowly = settings(max_examples=10)
 
 
 def rectangle(name, width, height, translation, rotation=(0.0, 0.0, 0.0)):

@@ -74,13 +74,37 @@ def test_any_single_wrong_flag_is_mended(seed):
     assert report.counts["inconsistent flags"] == 1
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from(LEVELS), st.integers(4, 12), st.integers(1, 3))
-def test_full_repair_leaves_nothing_inconsistent(seed, level, grid, layers):
-    rng = np.random.default_rng(seed)
-    noise = rng.normal(size=(CHANNELS_PER_LAYER * layers, grid, grid)) * rng.choice([0.1, 1, 10])
-    mended, _ = repair(noise, level)
-    if level == "full":
-        assert inconsistencies(mended) == 0
+@st.composite
+def noises(draw):
+    """Channels that mean nothing, of any size and spread."""
+    grid, layers = draw(st.integers(4, 12)), draw(st.integers(1, 3))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    return rng.normal(size=(CHANNELS_PER_LAYER * layers, grid, grid)) * rng.choice([0.1, 1, 10])
+
+
+@given(noises())
+def test_full_repair_leaves_nothing_inconsistent(noise):
+    assert inconsistencies(repair(noise, "full")[0]) == 0
+
+
+@given(noises())
+def test_no_repair_is_the_likeliest_value_of_everything(noise):
+    image, report = repair(noise, "none")
+    layers = noise.reshape(-1, CHANNELS_PER_LAYER, *noise.shape[1:])
+    assert np.array_equal(image.inside, layers[:, 0] > (0 if report.kind == "logits" else 0.5))
+    for h, four in enumerate((layers[:, 1:5], layers[:, 5:9])):
+        assert np.array_equal(image.edge_type[:, h], four.argmax(axis=1))
+    assert not report.changed
+
+
+@given(noises())
+def test_the_papers_repair_only_sews_gaps(noise):
+    image, mended = repair(noise, "none")[0], repair(noise, "paper")[0]
+    assert np.array_equal(mended.inside, image.inside)
+    assert np.array_equal(mended.deformation, image.deformation)
+    changed = mended.edge_type != image.edge_type
+    found = set(zip(image.edge_type[changed], mended.edge_type[changed], strict=True))
+    assert found <= {(NON_STITCH, FRONT_TO_BACK), (NON_BOUNDARY, SIDE_BY_SIDE)}
 
 
 @given(st.integers(0, 2**32 - 1))

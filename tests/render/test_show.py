@@ -57,7 +57,9 @@ def test_names_from_files_cannot_spoil_a_picture(tmp_path):
     odd = [*"\0\n\u202e", "$x^", "\N{GRINNING FACE}" * 90, "<b>&amp;\ud800", *"abcdefgh"]
     panels = [replace(p, name=f"{n}") for p, n in zip(pattern.panels, odd)]
     show(replace(pattern, panels=tuple(panels), stitches=()), out=tmp_path / "a.svg")
-    ElementTree.parse(tmp_path / "a.svg")
+    root = ElementTree.parse(tmp_path / "a.svg").getroot()
+    names = {element.tag.rpartition("}")[2] for element in root.iter()}
+    assert root.tag.endswith("svg") and not names & {"b", "script", "image"}
 
 
 def test_printable_keeps_plain_text_and_shortens_long():
@@ -122,9 +124,13 @@ def test_a_deformed_cell_is_drawn_with_its_own_vectors(axes):
     np.testing.assert_allclose(left[0] / left[1], 4 / 13, atol=1e-6)
 
 
-def test_an_empty_image_can_be_drawn(tmp_path):
+def test_an_empty_image_is_drawn_as_an_empty_grid(tmp_path, axes):
     image = one_cell()
     empty = replace(
         image, inside=np.zeros_like(image.inside), edge_type=np.zeros_like(image.edge_type)
     )
     show(empty, out=tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    draw_image(empty, axes, legend=False)
+    lines = [path for c in axes.collections for path in c.get_paths() if len(path.vertices)]
+    assert len(lines) == image.layers * 2 * (image.grid + 1)  # nothing but the grids

@@ -1,7 +1,5 @@
 """Where the picture of a garment stays while a text changes the rest."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 import torch
@@ -11,6 +9,7 @@ from garmentimage.draft.kinds import draft_pattern
 from garmentimage.text_edit.editor import run_edit
 from garmentimage.text_edit.guidance import optimise_latent
 from garmentimage.text_edit.keep_mask import keep_mask
+from tests.text_edit.fakes import PixelDecoder, TowardsWhite
 
 DRESS = draft_pattern("one-panel-dress", cutout="none", body_length=45)
 SLEEVED = draft_pattern(
@@ -33,23 +32,13 @@ def test_garments_that_differ_in_what_a_text_touches_differ_mostly_where_nothing
     assert changed[keep_mask(touched, 64)].sum() < 0.4 * changed.sum()
 
 
-class Pushing:
-    """A guidance to which all should be white."""
-
-    def start(self, pictures, said, further):
-        pass
-
-    def gradient(self, pictures, text, done):
-        return pictures - 1
-
-
 def test_what_is_held_stays_while_the_rest_goes_where_it_is_pushed():
     held = torch.zeros(8, 8)
     held[4:] = 5.0
     ends = optimise_latent(
         torch.zeros(3 * 8 * 8),
         lambda z: (0.5 + 0.5 * z + 0.1 * z.sum(1, keepdim=True) / 10).reshape(-1, 3, 8, 8),
-        Pushing(),
+        TowardsWhite(),
         "white",
         steps=300,
         rate=0.02,
@@ -62,14 +51,12 @@ def test_what_is_held_stays_while_the_rest_goes_where_it_is_pushed():
 
 @pytest.mark.parametrize("touched", ["sleeves", "below the waist"])
 def test_an_edit_holds_what_its_text_does_not_touch_and_more_so_with_less_strength(touched):
-    pictures = SimpleNamespace(
-        draw=lambda z: (0.5 + 0.5 * z).reshape(-1, 3, 8, 8), config=SimpleNamespace(picture=8)
-    )
+    pictures = PixelDecoder()
     staying_now = torch.from_numpy(keep_mask(touched, 8))
 
     def changes(touched, strength):
         z = run_edit(
-            torch.zeros(3 * 8 * 8), pictures, Pushing(), "white", "",
+            torch.zeros(3 * 8 * 8), pictures, TowardsWhite(), "white", "",
             strength=strength, steps=100, touched=touched,
         )  # fmt: skip
         change = pictures.draw(z)[0] - 0.5

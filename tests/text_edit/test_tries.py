@@ -1,13 +1,12 @@
 """Edits that look at what they made: what a text asks for, and which try is kept."""
 
-from types import SimpleNamespace
-
 import pytest
 
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.metrics.shape_attributes import measure_shape
 from garmentimage.text_edit.best_of import GUIDANCE_BOOSTS, MAX_ATTEMPTS, best_attempt
 from garmentimage.text_edit.goal import EditGoal, parse_goal
+from tests.text_edit.fakes import decoded
 
 DRESS = draft_pattern("one-panel-dress", body_length=55)
 LONGER = draft_pattern("one-panel-dress", body_length=75)
@@ -57,10 +56,6 @@ def test_texts_that_mean_one_phrase_that_geometry_can_tell_are_looked_at(text, p
     assert (found.phrase if found else None) == phrase
 
 
-def made(pattern, faults=()):
-    return SimpleNamespace(pattern=pattern, faults=faults)
-
-
 @pytest.fixture
 def attempts(monkeypatch):
     """Edits that come out as they are told to; the text is "long sleeves"."""
@@ -88,23 +83,23 @@ TOO_MUCH = draft_pattern("one-panel-dress", body_length=80, sleeves="set-in", sl
 
 
 def test_the_first_good_try_is_kept_and_the_text_pushes_further_until_there_is_one(attempts):
-    best, seen = attempts(made(DRESS), made(GOOD))
+    best, seen = attempts(decoded(DRESS), decoded(GOOD))
     assert (best.number, best.count, best.done) == (1, 2, True)
     assert seen == list(GUIDANCE_BOOSTS[:2])
 
 
 def test_a_garment_that_cannot_be_sewn_is_made_anew(attempts):
-    best, _ = attempts(made(GOOD, ("a seam is open",)), made(None), made(GOOD))
+    best, _ = attempts(decoded(GOOD, ("a seam is open",)), decoded(None), decoded(GOOD))
     assert (best.number, best.count) == (2, 3)
 
 
 def test_where_too_little_is_kept_the_best_of_all_tries_is_taken(attempts):
-    best, _ = attempts(made(TOO_MUCH), made(DRESS), made(TOO_MUCH), made(None))
+    best, _ = attempts(decoded(TOO_MUCH), decoded(DRESS), decoded(TOO_MUCH), decoded(None))
     assert (best.number, best.count, best.done) == (0, 4, True)
 
 
 def test_what_was_never_done_is_said_to_be_so_and_stays_most_as_it_was(attempts):
-    best, _ = attempts(made(LONGER), made(DRESS), tries=2)
+    best, _ = attempts(decoded(LONGER), decoded(DRESS), tries=2)
     assert (best.number, best.count, best.done) == (1, 2, False)
 
 
@@ -115,7 +110,7 @@ def test_what_geometry_cannot_tell_is_tried_once_and_pushed_as_usual(monkeypatch
     def attempt(further, touched):
         assert touched is None
         seen.append(further)
-        return made(GOOD)
+        return decoded(GOOD)
 
     best = best_attempt(DRESS, "V-neck", attempt, MAX_ATTEMPTS)
     assert (best.count, best.done) == (1, None)
