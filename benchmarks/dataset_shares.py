@@ -12,7 +12,7 @@ from pathlib import Path
 
 from provenance import provenance
 
-from garmentimage.dataset.building import DATA, Build, build
+from garmentimage.dataset.building import DATA, BuildSettings, build_dataset
 from garmentimage.dataset.recipe import load_recipe, recipe_names
 
 
@@ -26,7 +26,9 @@ def main() -> int:
     result = {**provenance([]), "rows_a_type": args.count, "seed": 0, "recipes": {}}
     for name in recipe_names():
         folder = args.folder / name
-        summary = build(Build(load_recipe(name), folder, args.count), workers=args.workers)
+        summary = build_dataset(
+            BuildSettings(load_recipe(name), folder, args.count), workers=args.workers
+        )
         size = sum(path.stat().st_size for path in (folder / DATA).glob("*.parquet"))
         result["recipes"][name] = {
             "drawn": args.count * len(load_recipe(name).types),

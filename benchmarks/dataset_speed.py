@@ -19,7 +19,7 @@ from pathlib import Path
 
 from provenance import provenance
 
-from garmentimage.dataset.building import Build, build, make_shard, plan
+from garmentimage.dataset.building import BuildSettings, build_dataset, make_shard, plan_shards
 from garmentimage.dataset.recipe import load_recipe
 
 OVERHEAD_COUNT = 100
@@ -53,9 +53,9 @@ def main() -> int:
     args = parser.parse_args()
     shutil.rmtree(args.folder, ignore_errors=True)
     args.folder.mkdir(parents=True)
-    what = Build(load_recipe(args.recipe), args.folder / "rate", args.count)
+    what = BuildSettings(load_recipe(args.recipe), args.folder / "rate", args.count)
     began = time.perf_counter()
-    summary = build(what, workers=args.workers)
+    summary = build_dataset(what, workers=args.workers)
     seconds = time.perf_counter() - began
     result = {
         **provenance([]),
@@ -68,7 +68,7 @@ def main() -> int:
         "rows_a_second": round(summary["rows"] / seconds, 2),
     }
     one = replace(what, folder=args.folder / "overhead", count=OVERHEAD_COUNT)
-    shards = plan(one)
+    shards = plan_shards(one)
     make_shard(shards[0])
     taken = {}
     for shard in shards:
@@ -76,7 +76,9 @@ def main() -> int:
         make_shard(shard)
         taken[shard.name] = time.perf_counter() - began
     ends: dict[str, float] = {}
-    build(one, workers=1, progress=lambda done, _: ends.update({done.name: time.perf_counter()}))
+    build_dataset(
+        one, workers=1, progress=lambda done, _: ends.update({done.name: time.perf_counter()})
+    )
     first = min(ends, key=lambda name: ends[name])
     work = sum(seconds for name, seconds in taken.items() if name != first)
     result["overhead"] = round((max(ends.values()) - ends[first]) / work - 1, 4)

@@ -26,8 +26,8 @@ from PIL import ImageColor
 from provenance import provenance
 
 import garmentimage as gi
-from garmentimage.dataset.overview import dataset_hash, summary_of
-from garmentimage.dataset.read import patterns_of, tables
+from garmentimage.dataset.overview import dataset_hash, read_summary
+from garmentimage.dataset.read import parse_patterns, read_tables
 from garmentimage.dataset.recipe import load_recipe
 from garmentimage.learn.data.images import read_album
 from garmentimage.metrics.intervals import interval
@@ -67,7 +67,7 @@ def main() -> int:
 def by_parameter(data: Path, records: Path) -> dict[str, Any]:
     """Panel IoU and exact topology, means over seeds, by fifths of each parameter."""
     rows: dict[int, list[dict[str, Any]]] = {}
-    name = summary_of(data)["recipe"]  # other records are of other repairs
+    name = read_summary(data)["recipe"]  # other records are of other repairs
     for file in sorted(records.glob(f"unseen-cascade-{name}-cascade-[0-9].jsonl")):
         for line in file.read_text(encoding="utf-8").splitlines():
             record = json.loads(line)
@@ -75,7 +75,7 @@ def by_parameter(data: Path, records: Path) -> dict[str, Any]:
                 rows.setdefault(record["number"], []).append(record)
     given = [
         json.loads(text)
-        for table in tables(data, "unseen", ["parameters"])
+        for table in read_tables(data, "unseen", ["parameters"])
         for text in table["parameters"].to_pylist()
     ]
     numbers = sorted(rows)
@@ -119,7 +119,9 @@ def by_parameter(data: Path, records: Path) -> dict[str, Any]:
 
 def by_colour(data: Path, network: Path) -> dict[str, Any]:
     """How many dresses come back as how many panels, painted and as they are."""
-    bottom = np.array(ImageColor.getrgb(load_recipe(summary_of(data)["recipe"]).colours["bottom"]))
+    bottom = np.array(
+        ImageColor.getrgb(load_recipe(read_summary(data)["recipe"]).colours["bottom"])
+    )
     predictor = gi.PatternPredictor.load(network)
     album = read_album(data, "validation")
     dresses = [k for k, name in enumerate(album.types) if name == DRESS][:DRESSES]
@@ -155,7 +157,7 @@ def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
         for album in albums
         for k in range(len(album.ids))
     ]
-    truths = [p for album in albums for p in patterns_of(list(album.patterns), data)]
+    truths = [p for album in albums for p in parse_patterns(list(album.patterns), data)]
     types = [name for album in albums for name in album.types]
     told: dict[str, Any] = {"garments": len(truths), "by weight": {}}
     for weight in WEIGHTS:

@@ -19,7 +19,7 @@ from provenance import provenance
 
 import garmentimage as gi
 from garmentimage.dataset.overview import dataset_hash
-from garmentimage.dataset.read import patterns_of
+from garmentimage.dataset.read import parse_patterns
 from garmentimage.learn.data.images import read_album
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.similarity import likeness
@@ -38,7 +38,7 @@ def main() -> int:
     parser.add_argument("-o", "--out", type=Path)
     args = parser.parse_args()
     album = read_album(args.data, args.split)
-    truths = patterns_of(list(album.patterns[: args.count]), args.data)
+    truths = parse_patterns(list(album.patterns[: args.count]), args.data)
     if not args.channels.exists():
         predictor = gi.PatternPredictor.load(args.network)
         upright = album.garments.pictures[: args.count].numpy()[:, :, ::-1].transpose(0, 2, 3, 1)

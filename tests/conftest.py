@@ -32,11 +32,11 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture(scope="session")
 def pictured(tmp_path_factory):
     """A small dataset of `d2`: pictures and patterns, some of a type not seen in training."""
-    from garmentimage.dataset.building import Build, build
+    from garmentimage.dataset.building import BuildSettings, build_dataset
     from garmentimage.dataset.recipe import load_recipe
 
     folder = tmp_path_factory.mktemp("d2")
-    build(Build(load_recipe("d2"), folder, 20, unseen=4), workers=1)
+    build_dataset(BuildSettings(load_recipe("d2"), folder, 20, unseen=4), workers=1)
     return folder
 
 
@@ -44,12 +44,12 @@ def pictured(tmp_path_factory):
 def trained(tmp_path_factory):
     """A dataset of `text-edit`, and its three networks, trained for a moment."""
     from garmentimage.cli.app import main
-    from garmentimage.dataset.building import Build, build
+    from garmentimage.dataset.building import BuildSettings, build_dataset
     from garmentimage.dataset.recipe import load_recipe
 
     folder = tmp_path_factory.mktemp("text-edit")
     data = folder / "data"
-    build(Build(load_recipe("text-edit"), data, 20), workers=1)
+    build_dataset(BuildSettings(load_recipe("text-edit"), data, 20), workers=1)
     for name, words in {
         "vae": [],
         "pictures": ["--vae", folder / "vae" / "model"],

@@ -20,12 +20,18 @@ import pyarrow.parquet as pq
 import pytest
 
 from garmentimage.cli.app import main
-from garmentimage.dataset.building import DATA, Build, build, make_shard, plan
-from garmentimage.dataset.engine import results
-from garmentimage.dataset.overview import row_sheet, summary_of
+from garmentimage.dataset.building import (
+    DATA,
+    BuildSettings,
+    build_dataset,
+    make_shard,
+    plan_shards,
+)
+from garmentimage.dataset.engine import run_tasks
+from garmentimage.dataset.overview import read_summary, row_sheet
 from garmentimage.dataset.recipe import load_recipe, parse_recipe
-from garmentimage.dataset.row import Failed
-from garmentimage.dataset.shard import shard_bytes, shard_facts
+from garmentimage.dataset.row import FailedRow
+from garmentimage.dataset.shard import parse_metadata, shard_bytes
 from garmentimage.errors import DatasetError, OutputError
 from garmentimage.system.files import write_atomically
 from tests.dataset.test_recipe import GOOD
@@ -34,8 +40,8 @@ SMALL = parse_recipe(GOOD.replace('views = ["front"]', "views = []"))
 WITH_PICTURES = parse_recipe(GOOD)
 
 
-def small(folder, count=120, **changes) -> Build:
-    return Build(SMALL, folder, count, **changes)
+def small(folder, count=120, **changes) -> BuildSettings:
+    return BuildSettings(SMALL, folder, count, **changes)
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -46,7 +52,7 @@ def digests(folder: Path) -> dict[str, str]:
 
 
 def test_a_plan_holds_every_row_once_in_its_split():
-    shards = plan(Build(load_recipe("d2"), Path("x"), 1000))
+    shards = plan_shards(BuildSettings(load_recipe("d2"), Path("x"), 1000))
     tasks = [task for shard in shards for task in shard.tasks]
     assert len({task.row_id for task in tasks}) == len(tasks) == 4000
     assert all(shard.name.startswith(f"{t.split}-") for shard in shards for t in shard.tasks)
@@ -55,48 +61,48 @@ def test_a_plan_holds_every_row_once_in_its_split():
 
 
 def test_types_for_test_only_may_have_fewer_rows():
-    many, few = (Build(load_recipe("d2"), Path("x"), 1000, unseen=n) for n in (None, 40))
-    shards = plan(few)
+    many, few = (BuildSettings(load_recipe("d2"), Path("x"), 1000, unseen=n) for n in (None, 40))
+    shards = plan_shards(few)
     rows = Counter(task.split for shard in shards for task in shard.tasks)
     assert rows == {"train": 2700, "validation": 150, "test": 150, "unseen": 40}
     seen = [shard.identity() for shard in shards if not shard.name.startswith("unseen")]
-    assert seen == [s.identity() for s in plan(many) if not s.name.startswith("unseen")]
+    assert seen == [s.identity() for s in plan_shards(many) if not s.name.startswith("unseen")]
     with pytest.raises(DatasetError, match="0 rows a type"):
-        plan(Build(load_recipe("d2"), Path("x"), 1000, unseen=0))
+        plan_shards(BuildSettings(load_recipe("d2"), Path("x"), 1000, unseen=0))
 
 
 def test_a_folder_with_fewer_unseen_rows_is_another_dataset(tmp_path):
     folder = tmp_path / "set"
     folder.mkdir()
-    what = Build(SMALL, folder, 20, unseen=1)
+    what = BuildSettings(SMALL, folder, 20, unseen=1)
     (folder / "build.json").write_text(json.dumps(what.identity()))
     with pytest.raises(DatasetError, match="dataset of unseen '1', not None"):
-        build(Build(SMALL, folder, 20))
+        build_dataset(BuildSettings(SMALL, folder, 20))
 
 
 def test_a_shard_has_the_same_bytes_every_time_and_tells_what_failed():
-    (shard,) = [s for s in plan(small("x", 20)) if s.name.startswith("validation")]
+    (shard,) = [s for s in plan_shards(small("x", 20)) if s.name.startswith("validation")]
     assert make_shard(shard) == make_shard(shard)
-    failed = Failed("id", "drape", "too tight")
+    failed = FailedRow("id", "drape", "too tight")
     raw = shard_bytes(SMALL, 16, [], [failed], shard.identity())
-    facts = shard_facts(pq.read_schema(BytesIO(raw)))
+    facts = parse_metadata(pq.read_schema(BytesIO(raw)))
     assert facts.failed == (failed,) and facts.identity == shard.identity()
     assert facts.types == tuple(each.name for each in SMALL.types)
     with pytest.raises(DatasetError, match="no shard"):
-        shard_facts(pa.schema([]))
+        parse_metadata(pa.schema([]))
 
 
 @pytest.mark.slow
 def test_one_worker_and_two_make_the_same_dataset_and_a_third_call_makes_nothing(tmp_path):
     one, two = tmp_path / "one", tmp_path / "two"
-    build(small(one), workers=1)
-    summary = build(small(two), workers=2)
+    build_dataset(small(one), workers=1)
+    summary = build_dataset(small(two), workers=2)
     assert digests(one) == digests(two)
-    assert summary == summary_of(two)
+    assert summary == read_summary(two)
     assert summary["rows"] + sum(summary["failed"].values()) == 240
     assert {n: s["sha256"] for n, s in summary["shards"].items()} == digests(two)
     fresh = []
-    build(small(two), progress=lambda done, made_now: fresh.append(made_now))
+    build_dataset(small(two), progress=lambda done, made_now: fresh.append(made_now))
     assert fresh and not any(fresh)
 
 
@@ -104,11 +110,11 @@ def test_one_worker_and_two_make_the_same_dataset_and_a_third_call_makes_nothing
 def test_workers_of_another_scheduler_make_the_same_rows(tmp_path):
     from distributed import LocalCluster
 
-    build(small(tmp_path / "here", 40), workers=1)
+    build_dataset(small(tmp_path / "here", 40), workers=1)
     with LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
     ) as cluster:
-        build(small(tmp_path / "there", 40), scheduler=cluster.scheduler_address)
+        build_dataset(small(tmp_path / "there", 40), scheduler=cluster.scheduler_address)
     assert digests(tmp_path / "here") == digests(tmp_path / "there")
 
 
@@ -122,23 +128,23 @@ def test_a_full_disk_keeps_what_was_finished(tmp_path, monkeypatch):
         written.append(path)
         write_atomically(path, data)
 
-    build(small(tmp_path / "whole", 40), workers=1)
+    build_dataset(small(tmp_path / "whole", 40), workers=1)
     (tmp_path / "set").mkdir()
     what = small(tmp_path / "set", 40)
     (tmp_path / "set" / "build.json").write_text(json.dumps(what.identity()))
     monkeypatch.setattr("garmentimage.dataset.building.write_atomically", full)
     with pytest.raises(OutputError, match="No space left"):
-        build(what, workers=1)
+        build_dataset(what, workers=1)
     monkeypatch.undo()
     assert len(digests(tmp_path / "set")) == 1
-    build(what, workers=1)
+    build_dataset(what, workers=1)
     assert digests(tmp_path / "set") == digests(tmp_path / "whole")
 
 
 @pytest.mark.slow
 def test_what_a_killed_build_left_is_gone_on_with(tmp_path):
     whole, cut = tmp_path / "whole", tmp_path / "cut"
-    build(small(whole))
+    build_dataset(small(whole))
     code = f"""
 from pathlib import Path
 from tests.dataset.test_build import build, small
@@ -160,7 +166,7 @@ if __name__ == "__main__":
         driver.wait()
     left = digests(cut)
     assert left.items() <= digests(whole).items(), "only whole shards are there"
-    build(small(cut))
+    build_dataset(small(cut))
     assert digests(cut) == digests(whole)
 
 
@@ -174,7 +180,7 @@ found = datasets.load_dataset({str(tmp_path / "set")!r}, cache_dir={str(tmp_path
 row = found["train"].with_format("numpy")[0]
 print(sorted(found), row["raster"].shape, row["raster"].dtype, row["picture_front"].shape)
 """
-    build(Build(WITH_PICTURES, tmp_path / "set", 20), workers=1)
+    build_dataset(BuildSettings(WITH_PICTURES, tmp_path / "set", 20), workers=1)
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout.split("\n")[0] == (
         "['test', 'train', 'unseen', 'validation'] (2, 17, 16, 16) float32 (64, 64, 3)"
@@ -186,22 +192,22 @@ print(sorted(found), row["raster"].shape, row["raster"].dtype, row["picture_fron
 def test_a_folder_of_another_dataset_is_left_alone(tmp_path):
     (tmp_path / "build.json").write_text(json.dumps({**small(tmp_path).identity(), "seed": 9}))
     with pytest.raises(DatasetError, match="holds a dataset of seed '9', not 0"):
-        build(small(tmp_path))
+        build_dataset(small(tmp_path))
     for damage in ("{", "[]", "{}", "[" * 100_000, '{"seed": 0}'):
         (tmp_path / "build.json").write_text(damage)
         with pytest.raises(DatasetError, match=r"build\.json: is damaged"):
-            build(small(tmp_path))
+            build_dataset(small(tmp_path))
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "README.md").write_text("mine")
     with pytest.raises(DatasetError, match="holds other files and no dataset"):
-        build(small(tmp_path / "other"))
+        build_dataset(small(tmp_path / "other"))
     assert (tmp_path / "other" / "README.md").read_text() == "mine"
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole") / "set"
-    build(small(folder, 5), workers=1)
+    build_dataset(small(folder, 5), workers=1)
     return folder
 
 
@@ -216,7 +222,7 @@ def linked(shard: Path) -> None:
 
 
 def of_other_rows(shard: Path) -> None:
-    (other,) = [s for s in plan(small("x", 5, seed=1)) if s.name == shard.name]
+    (other,) = [s for s in plan_shards(small("x", 5, seed=1)) if s.name == shard.name]
     shard.write_bytes(make_shard(other))
 
 
@@ -248,7 +254,7 @@ def test_shards_that_were_changed_are_never_taken_for_whole(whole, tmp_path, dam
     before = (folder / "summary.json").read_bytes()
     damage(shard)
     with pytest.raises(DatasetError, match=sentence):
-        build(small(folder, 5), workers=1)
+        build_dataset(small(folder, 5), workers=1)
     assert (folder / "summary.json").read_bytes() == before
 
 
@@ -260,30 +266,30 @@ def test_a_dataset_is_described_only_where_its_shards_are_there(whole, tmp_path,
     for damage in ('{"rows": "3"}', "[]", "[" * 100_000, '{"rows":1,"splits":[],"failed":{}}'):
         (folder / "summary.json").write_text(damage)
         with pytest.raises(DatasetError, match=r"summary\.json: is damaged"):
-            summary_of(folder)
+            read_summary(folder)
     shutil.copy(whole / "summary.json", folder)
     shard.unlink()
     with pytest.raises(DatasetError, match=r"do not hold the|is not complete"):
-        summary_of(folder)
+        read_summary(folder)
 
 
 def test_counts_and_folders_that_will_not_do_are_refused(tmp_path):
     with pytest.raises(DatasetError, match="0 rows a type; give 1 to"):
-        plan(small(tmp_path, 0))
+        plan_shards(small(tmp_path, 0))
     (tmp_path / "file").write_text("")
     with pytest.raises(DatasetError, match="cannot be used"):
-        build(small(tmp_path / "file" / "set"))
+        build_dataset(small(tmp_path / "file" / "set"))
     with pytest.raises(DatasetError, match="holds no finished dataset"):
-        summary_of(tmp_path)
+        read_summary(tmp_path)
 
 
 def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr("garmentimage.dataset.engine.ANSWER_S", 0.5)
+    monkeypatch.setattr("garmentimage.dataset.engine.TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         port = silent.getsockname()[1]
         for address in (f"tcp://127.0.0.1:{port}", "tcp://127.0.0.1:1", "foo", "http://x"):
             with pytest.raises(DatasetError, match="no scheduler answers at"):
-                build(small(tmp_path / "set", 5), scheduler=address)
+                build_dataset(small(tmp_path / "set", 5), scheduler=address)
     assert not (tmp_path / "set").exists()
 
 
@@ -295,7 +301,7 @@ def test_a_scheduler_without_workers_is_told(tmp_path):
         LocalCluster(n_workers=0, dashboard_address=None, host="127.0.0.1") as cluster,
         pytest.raises(DatasetError, match="has no workers; start some"),
     ):
-        build(small(tmp_path, 5), scheduler=cluster.scheduler_address)
+        build_dataset(small(tmp_path, 5), scheduler=cluster.scheduler_address)
 
 
 def die(piece: int) -> None:
@@ -304,8 +310,8 @@ def die(piece: int) -> None:
 
 @pytest.mark.slow
 def test_work_that_kills_its_workers_ends_in_a_sentence():
-    with pytest.raises(DatasetError, match="workers died again and again"):
-        list(results(die, [1], None, 1))
+    with pytest.raises(DatasetError, match="workers died repeatedly"):
+        list(run_tasks(die, [1], None, 1))
 
 
 @pytest.mark.parametrize(
@@ -328,7 +334,7 @@ def test_a_wrong_build_is_one_sentence(capsys, tmp_path, monkeypatch, words, sen
 
 
 def fails(task):
-    return Failed(task.row_id, "encode", "the pattern has no layout; try another")
+    return FailedRow(task.row_id, "encode", "the pattern has no layout; try another")
 
 
 @pytest.mark.slow
@@ -338,9 +344,9 @@ def test_a_build_without_any_row_ends_with_the_cause(tmp_path, monkeypatch):
             failed = [fails(task) for task in piece.tasks]
             yield piece, shard_bytes(SMALL, 16, [], failed, piece.identity())
 
-    monkeypatch.setattr("garmentimage.dataset.building.results", all_failed)
+    monkeypatch.setattr("garmentimage.dataset.building.run_tasks", all_failed)
     with pytest.raises(DatasetError, match="no row could be made; 6 failed because of encode: the"):
-        build(small(tmp_path / "set", count=3))
+        build_dataset(small(tmp_path / "set", count=3))
     assert not (tmp_path / "set" / "summary.json").exists()
 
 
@@ -364,7 +370,7 @@ def test_the_command_builds_and_goes_on(capsys, tmp_path):
 def test_rasters_keep_their_numbers(tmp_path):
     import pyarrow.parquet as pq
 
-    (shard,) = [s for s in plan(small("x", 20)) if s.name.startswith("test")]
+    (shard,) = [s for s in plan_shards(small("x", 20)) if s.name.startswith("test")]
     (tmp_path / shard.name).write_bytes(make_shard(shard))
     row = pq.read_table(tmp_path / shard.name).to_pylist()[0]
     from garmentimage.dataset.row import make_row

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from garmentimage.dataset.building import DATA, Build, make_shard, plan
-from garmentimage.dataset.read import rasters, rows_at, shard_files, tables
+from garmentimage.dataset.building import DATA, BuildSettings, make_shard, plan_shards
+from garmentimage.dataset.read import raster_arrays, read_tables, rows_at, shard_files
 from garmentimage.errors import DatasetError
 from tests.dataset.test_build import SMALL
 
@@ -13,13 +13,13 @@ from tests.dataset.test_build import SMALL
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("set")
     (place / DATA).mkdir()
-    for shard in plan(Build(SMALL, place, 21)):
+    for shard in plan_shards(BuildSettings(SMALL, place, 21)):
         (place / DATA / shard.name).write_bytes(make_shard(shard))
     return place
 
 
 def test_rows_are_read_by_number_over_all_shards(folder):
-    every = [row for table in tables(folder, None, ["id"]) for row in table["id"].to_pylist()]
+    every = [row for table in read_tables(folder, None, ["id"]) for row in table["id"].to_pylist()]
     numbers = [0, len(every) - 1, len(every) // 2]
     assert [row["id"] for row in rows_at(folder, numbers)] == [every[k] for k in sorted(numbers)]
     with pytest.raises(DatasetError, match=f"has {len(every)} rows"):
@@ -27,20 +27,20 @@ def test_rows_are_read_by_number_over_all_shards(folder):
 
 
 def test_rasters_are_those_of_the_rows(folder):
-    for table in tables(folder, None, ["raster"]):
+    for table in read_tables(folder, None, ["raster"]):
         told = [np.array(row, np.float32) for row in table["raster"].to_pylist()]
-        assert all(map(np.array_equal, rasters(table["raster"]), told))
+        assert all(map(np.array_equal, raster_arrays(table["raster"]), told))
 
 
 def test_what_cannot_be_read_is_named(folder, tmp_path):
     with pytest.raises(DatasetError, match="there is no split 'training'; choose train"):
         shard_files(folder, "training")
     with pytest.raises(DatasetError, match="has no column 'picture'"):
-        next(tables(folder, "train", ["picture"]))
+        next(read_tables(folder, "train", ["picture"]))
     (tmp_path / DATA).mkdir()
     with pytest.raises(DatasetError, match="has no shards"):
         shard_files(tmp_path)
     raw = shard_files(folder, "train")[0].read_bytes()
     (tmp_path / DATA / "train-00000-of-00001.parquet").write_bytes(raw[: len(raw) // 2])
     with pytest.raises(DatasetError, match=r"of-00001\.parquet: cannot be read"):
-        next(tables(tmp_path, "train"))
+        next(read_tables(tmp_path, "train"))

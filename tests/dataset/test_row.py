@@ -10,7 +10,7 @@ from PIL import Image
 
 from garmentimage.dataset.caption import captions
 from garmentimage.dataset.recipe import load_recipe, recipe_names
-from garmentimage.dataset.row import Failed, Task, make_row
+from garmentimage.dataset.row import FailedRow, RowTask, make_row
 from garmentimage.draft.kinds import KINDS, draft_pattern
 from garmentimage.draft.sampling import sample
 from garmentimage.pattern.files.spec import pattern_from_spec
@@ -20,12 +20,12 @@ GRID = 16
 
 
 def task(name="d2", type_number=0, index=0, seed=0):
-    return Task(load_recipe(name), seed, GRID, type_number, index)
+    return RowTask(load_recipe(name), seed, GRID, type_number, index)
 
 
 def good_row(name="d2", type_number=0, seed=0):
     rows = (make_row(task(name, type_number, k, seed)) for k in range(5))
-    return next(row for row in rows if not isinstance(row, Failed))
+    return next(row for row in rows if not isinstance(row, FailedRow))
 
 
 def same(one, other) -> bool:
@@ -93,7 +93,7 @@ def test_recipes_without_views_drape_nothing():
 
 def test_a_row_that_cannot_be_made_says_at_which_stage_and_why():
     fails = make_row(replace(task(), grid=4))
-    assert isinstance(fails, Failed)
+    assert isinstance(fails, FailedRow)
     assert (fails.row_id, fails.stage) == ("d2-00-0000000", "encode") and "grid" in fails.reason
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from garmentimage.dataset.building import DATA, Build, make_shard, plan
+from garmentimage.dataset.building import DATA, BuildSettings, make_shard, plan_shards
 from garmentimage.dataset.stream import RowStream
 from garmentimage.errors import DatasetError
 from tests.dataset.test_build import SMALL, WITH_PICTURES
@@ -14,7 +14,7 @@ from tests.dataset.test_build import SMALL, WITH_PICTURES
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("set")
     (place / DATA).mkdir()
-    for shard in plan(Build(SMALL, place, 130)):
+    for shard in plan_shards(BuildSettings(SMALL, place, 130)):
         if shard.name.startswith(("train", "unseen")):
             (place / DATA / shard.name).write_bytes(make_shard(shard))
     return place
@@ -54,7 +54,11 @@ def test_rasters_are_tensors_and_types_can_be_left_out(folder):
 @pytest.mark.slow
 def test_pictures_are_tensors_of_bytes(tmp_path):
     (tmp_path / DATA).mkdir()
-    (shard,) = [s for s in plan(Build(WITH_PICTURES, tmp_path, 20)) if s.name.startswith("test")]
+    (shard,) = [
+        s
+        for s in plan_shards(BuildSettings(WITH_PICTURES, tmp_path, 20))
+        if s.name.startswith("test")
+    ]
     (tmp_path / DATA / shard.name).write_bytes(make_shard(shard))
     row = next(iter(RowStream(tmp_path, "test")))
     assert row["picture_front"].shape == (3, 64, 64) and row["picture_front"].dtype == torch.uint8

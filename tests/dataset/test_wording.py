@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from garmentimage.dataset.wording import KINDS, LEVELS, every_phrase, phrases, worded
+from garmentimage.dataset.wording import KINDS, LEVELS, all_phrases, phrases, random_prompt
 from garmentimage.draft.kinds import KINDS as DRAFTED
 from garmentimage.draft.sampling import sample
 
@@ -17,9 +17,9 @@ def drawn(kind: str, seed: int):
 def test_every_wording_is_made_of_phrases_that_are_true_of_the_garment(kind, seed):
     parameters = drawn(kind, seed)
     told = phrases(kind, parameters)
-    known = set(every_phrase())
+    known = set(all_phrases())
     assert {phrase for words in told.values() for phrase in words} <= known
-    said = worded(kind, parameters, np.random.default_rng(seed))
+    said = random_prompt(kind, parameters, np.random.default_rng(seed))
     assert any(phrase in said for words in told.values() for phrase in words)
     assert ("sleeveless" in told.get("sleeves", ())) == (parameters["sleeves"] == "none")
 
@@ -52,4 +52,7 @@ def test_a_phrase_is_said_of(parameters, aspect, phrase):
 
 def test_a_length_between_long_and_short_is_called_neither():
     assert "length" not in phrases("one-panel-dress", {"body_length": 48.0})
-    assert phrases("shirt", {}) == {} and worded("shirt", {}, np.random.default_rng(0)) == "shirt"
+    assert (
+        phrases("shirt", {}) == {}
+        and random_prompt("shirt", {}, np.random.default_rng(0)) == "shirt"
+    )

@@ -11,9 +11,14 @@ from garmentimage.cli.app import main
 from garmentimage.dataset.read import row_count, shard_files
 from garmentimage.errors import DatasetError
 from garmentimage.evaluate.amounts import ImageAmounts
-from garmentimage.evaluate.image import Item, evaluate_images, summary, with_parts
-from garmentimage.evaluate.predictors import Guesser, guessing, named
-from garmentimage.evaluate.splits import check_splits, groups
+from garmentimage.evaluate.image import (
+    ImageItem,
+    evaluate_images,
+    summarise_images,
+    with_baselines,
+)
+from garmentimage.evaluate.predictors import Predictor, load_predictor, predictors_from_names
+from garmentimage.evaluate.splits import check_splits, group_by_held_out
 from garmentimage.evaluate.table import held_out_table
 
 pytestmark = pytest.mark.slow
@@ -119,15 +124,15 @@ def test_a_type_held_out_is_measured_as_unseen_and_must_have_been_left_out(
     pictured, runs, tmp_path
 ):
     amounts = ImageAmounts(seen=2, unseen=1, parts=0, draped=0)
-    anchors = [Guesser("another", "random")]
+    anchors = [Predictor("another", "random")]
     told = evaluate_images(
         anchors, pictured, tmp_path / "one", amounts, held_out="top + pants", workers=1
     )
     assert told["splits"]["unseen types"] == ["top + pants"]
     assert "top + pants" not in told["splits"]["types learnt from"]
-    remembers = guessing(Guesser("nearest", "nearest"), str(pictured), "top + pants")
+    remembers = load_predictor(Predictor("nearest", "nearest"), str(pictured), "top + pants")
     assert len(remembers.patterns) == 36 and not any("trouser" in p for p in remembers.patterns)
-    wrong = named([str(runs / "cascade-0")])
+    wrong = predictors_from_names([str(runs / "cascade-0")])
     with pytest.raises(Exception, match="was trained on type 'top \\+ pants', too; train it with"):
         evaluate_images(
             wrong, pictured, tmp_path / "two", amounts, held_out="top + pants", workers=1
@@ -146,7 +151,7 @@ def test_networks_of_all_types_are_measured_on_seen_garments_where_none_are_unse
     (data / "summary.json").write_text(json.dumps(summary))
     amounts = ImageAmounts(seen=2, unseen=1, parts=0, draped=0)
     told = evaluate_images(
-        [Guesser("another", "random")], data, tmp_path / "out", amounts, workers=1
+        [Predictor("another", "random")], data, tmp_path / "out", amounts, workers=1
     )
     assert set(told["figures"]["another"]) == {"seen"}
 
@@ -154,7 +159,7 @@ def test_networks_of_all_types_are_measured_on_seen_garments_where_none_are_unse
 def test_choices_are_made_on_the_validation_split_and_open_no_test(pictured, tmp_path):
     amounts = ImageAmounts(seen=2, unseen=1, parts=0, draped=0)
     evaluate_images(
-        [Guesser("another", "random")], pictured, tmp_path, amounts, validation=True, workers=1
+        [Predictor("another", "random")], pictured, tmp_path, amounts, validation=True, workers=1
     )
     assert sorted(f.name for f in tmp_path.iterdir()) == [
         "run.json",
@@ -193,8 +198,8 @@ def test_networks_left_without_each_type_in_turn_have_one_name_and_one_table(pic
         folder = tmp_path / held_out / "model"
         folder.mkdir(parents=True)
         (folder.parent / "run.json").write_text(json.dumps({"run": {"without": [held_out]}}))
-        guessers.append(Guesser(f"cascade-{held_out}", "cascade", str(folder)))
-    found = groups(guessers, data)
+        guessers.append(Predictor(f"cascade-{held_out}", "cascade", str(folder)))
+    found = group_by_held_out(guessers, data)
     assert {k: [g.name for g in v] for k, v in found.items()} == {
         "shirt": ["cascade"], "top skirt": ["cascade"]
     }  # fmt: skip
@@ -214,33 +219,33 @@ def test_networks_left_without_each_type_in_turn_have_one_name_and_one_table(pic
 
 
 def test_seeds_of_one_name_count_as_one_garment_each():
-    two = [Guesser("ours", "cascade", f"runs/c-{n}/model") for n in (0, 1)]
-    items = [Item(g, "d", "", "test", n, False) for g in two for n in range(3)]
+    two = [Predictor("ours", "cascade", f"runs/c-{n}/model") for n in (0, 1)]
+    items = [ImageItem(g, "d", "", "test", n, False) for g in two for n in range(3)]
     record = {"type": "t", "draped": None, "fault": "", "repairs": {}, "panels found": 2}
     records = {
         item: record | {"panel_iou": 0.5 + 0.1 * item.number + 0.2 * (item.guesser is two[1])}
         for item in items
     }
-    told = summary(items, records)["ours"]["seen"]
+    told = summarise_images(items, records)["ours"]["seen"]
     assert told["panel_iou"]["n"] == 3 and told["panel_iou"]["mean"] == pytest.approx(0.7)
     assert told["panel_iou by seed"] == {"ours c-0": 0.6, "ours c-1": 0.8}
 
 
 def test_figures_are_told_of_each_type_where_there_are_several():
-    guesser = Guesser("ours", "cascade", "runs/c-0/model")
-    items = [Item(guesser, "d", "", "test", n, False) for n in range(4)]
+    guesser = Predictor("ours", "cascade", "runs/c-0/model")
+    items = [ImageItem(guesser, "d", "", "test", n, False) for n in range(4)]
     record = {"draped": None, "fault": "", "repairs": {}, "panels found": 2, "topology": 1.0}
     records = {
         item: record | {"panel_iou": 0.25 * item.number, "type": "skirt" if item.number else "tee"}
         for item in items
     }
-    told = summary(items, records)["ours"]["seen"]["by type"]
+    told = summarise_images(items, records)["ours"]["seen"]["by type"]
     assert list(told) == ["skirt", "tee"] and told["tee"]["panel_iou"]["mean"] == 0
     assert told["skirt"]["panel_iou"]["n"] == 3
     assert told["skirt"]["panel_iou"]["mean"] == pytest.approx(0.5)
 
 
 def test_parts_are_those_of_the_first_cascade(tmp_path):
-    assert [g.name for g in with_parts([Guesser("pool", "slots", "x")])] == [
+    assert [g.name for g in with_baselines([Predictor("pool", "slots", "x")])] == [
         "pool", "nearest picture", "another of its type",
     ]  # fmt: skip

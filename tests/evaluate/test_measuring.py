@@ -7,16 +7,16 @@ import pytest
 
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.evaluate.codecs import PlainCodec
-from garmentimage.evaluate.edit_triplets import EDITS, triplets
+from garmentimage.evaluate.edit_triplets import EDITS, sample_triplets
 from garmentimage.evaluate.garment import (
+    measure_garment,
     outline_distance,
     panel_overlap,
     same_graph,
-    seen,
     silhouette_distance,
 )
-from garmentimage.evaluate.latent import summary
-from garmentimage.evaluate.table import markdown
+from garmentimage.evaluate.latent import summarise_latent
+from garmentimage.evaluate.table import latent_table
 
 DRESS, PANTS = draft_pattern("one-panel-dress"), draft_pattern("top-pants")
 
@@ -38,30 +38,32 @@ def test_silhouettes_are_compared_by_what_they_share():
 
 @pytest.mark.slow
 def test_a_garment_that_is_worn_well_is_valid_and_has_a_silhouette():
-    found = seen(DRESS)
+    found = measure_garment(DRESS)
     assert found.valid and found.topology and found.silhouette.mean() > 0.05
-    assert seen(None, "no image").fault == "no image"
+    assert measure_garment(None, "no image").fault == "no image"
 
 
 @pytest.mark.parametrize(
     "edit", [e for edits in EDITS.values() for e in edits], ids=lambda e: e.name
 )
 def test_edits_change_the_topology_and_keep_all_else(edit):
-    for each in triplets(edit, 3):
-        words = [seen(p, worn=False).topology for p in (each.a, each.b, each.c, each.truth)]
+    for each in sample_triplets(edit, 3):
+        words = [
+            measure_garment(p, worn=False).topology for p in (each.a, each.b, each.c, each.truth)
+        ]
         assert words[0] != words[1] and words[2] != words[3]
-    again = [each.truth for each in triplets(edit, 3)]
+    again = [each.truth for each in sample_triplets(edit, 3)]
     assert again[-1] == each.truth
 
 
 def test_figures_have_intervals_that_hold_their_mean():
     rows = [{"overlap": k / 10, "graph": True, "valid": k > 2} for k in range(10)]
-    told = summary("reconstruction", [*rows, {"lost": "took longer"}])
+    told = summarise_latent("reconstruction", [*rows, {"lost": "took longer"}])
     assert (told["measured"], told["lost"]) == (10, 1)
     assert told["overlap"]["mean"] == 0.45 and told["overlap"]["n"] == 10
     assert told["overlap"]["low"] < 0.45 < told["overlap"]["high"]
     assert told["graph"] == {"mean": 1.0, "low": 1.0, "high": 1.0, "n": 10}
-    table = markdown({"ours": {"reconstruction": told}, "theirs": {"reconstruction": {}}})
+    table = latent_table({"ours": {"reconstruction": told}, "theirs": {"reconstruction": {}}})
     assert "| reconstruction: graph | 1.000 (1.000 to 1.000) | - |" in table
 
 
@@ -72,12 +74,12 @@ def test_edits_without_the_intended_topology_do_not_count_for_the_overlap():
         {"edit": "legs", "settled": right, "plain": wrong},
         {"edit": "legs", "settled": wrong, "plain": wrong},
     ]
-    told = summary("edits", json.loads(json.dumps(rows)))
+    told = summarise_latent("edits", json.loads(json.dumps(rows)))
     assert told["legs, settled: intended"]["mean"] == 0.5
     assert told["legs, plain: intended"]["mean"] == 0.0
     assert told["legs, settled: overlap"] == {"mean": 0.9, "low": 0.9, "high": 0.9, "n": 1}
     assert told["legs, settled: becomes"] == {"intended": 1, "as B": 1}
-    table = markdown({"ours": {"edits": told}})
+    table = latent_table({"ours": {"edits": told}})
     assert "| edits: legs, settled: becomes | intended 1, as B 1 |" in table
 
 

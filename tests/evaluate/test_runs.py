@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from garmentimage.dataset.building import Build, build
+from garmentimage.dataset.building import BuildSettings, build_dataset
 from garmentimage.dataset.recipe import load_recipe
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.amounts import LatentAmounts
-from garmentimage.evaluate.latent import Judged, evaluate_latent
+from garmentimage.evaluate.latent import Candidate, evaluate_latent
 
 FEW = LatentAmounts(garments=2, pairs=1, triplets=1)
 
@@ -17,14 +17,14 @@ FEW = LatentAmounts(garments=2, pairs=1, triplets=1)
 def data(tmp_path_factory):
     """A small dataset of `vae-topology`."""
     folder = tmp_path_factory.mktemp("data") / "topology"
-    build(Build(load_recipe("vae-topology"), folder, 40), workers=1)
+    build_dataset(BuildSettings(load_recipe("vae-topology"), folder, 40), workers=1)
     return folder
 
 
 @pytest.mark.slow
 def test_a_stopped_evaluation_goes_on_and_another_is_refused(data, tmp_path):
     def measure(amounts=FEW, folder=tmp_path):
-        plain = Judged("no network", "", str(data), "full")
+        plain = Candidate("no network", "", str(data), "full")
         return evaluate_latent([plain], "vae-topology", folder, amounts, workers=1)
 
     figures = measure()

@@ -9,7 +9,7 @@ from PIL import Image
 
 from garmentimage.cli.app import main
 from garmentimage.draft.kinds import draft_pattern
-from garmentimage.evaluate.prompts import EXTREME, PROMPTS, is_asked
+from garmentimage.evaluate.prompts import ALREADY_TRUE, PROMPTS, is_applicable
 from garmentimage.metrics.preserved import preserved_iou
 from garmentimage.metrics.shape_attributes import measure_shape
 
@@ -44,16 +44,16 @@ BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}
 )
 def test_a_prompt_holds_of_what_it_asks_for_and_is_asked_only_of_others(text, start, end):
     prompt, before, after = BY_TEXT[text], measure_shape(start), measure_shape(end)
-    assert is_asked(prompt, before) and prompt.holds(before, after)
+    assert is_applicable(prompt, before) and prompt.holds(before, after)
     assert not prompt.holds(before, before)
     if prompt.group != "geometry":
-        assert not is_asked(prompt, after)
+        assert not is_applicable(prompt, after)
 
 
 def test_there_are_twelve_prompts_in_three_groups():
     groups = [prompt.group for prompt in PROMPTS]
     assert [groups.count(name) for name in ("topology", "parts", "geometry")] == [4, 3, 5]
-    assert set(EXTREME) == {p.text for p in PROMPTS if p.group == "geometry"}
+    assert set(ALREADY_TRUE) == {p.text for p in PROMPTS if p.group == "geometry"}
 
 
 def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
@@ -135,5 +135,5 @@ def test_networks_that_will_not_do_are_told_before_the_work(
 
 def test_a_garment_that_is_wide_already_is_not_asked_to_be_wide():
     wide = measure_shape(draft_pattern("one-panel-dress", flare=0.5))
-    assert not is_asked(BY_TEXT["wide"], wide) and is_asked(BY_TEXT["narrow"], wide)
-    assert is_asked(BY_TEXT["wide"], replace(wide, width=50.0))
+    assert not is_applicable(BY_TEXT["wide"], wide) and is_applicable(BY_TEXT["narrow"], wide)
+    assert is_applicable(BY_TEXT["wide"], replace(wide, width=50.0))

@@ -203,15 +203,15 @@ def test_a_network_for_other_channels_is_refused(space, tmp_path):
 
 def test_rows_are_named_by_ids():
     from garmentimage.dataset.recipe import load_recipe
-    from garmentimage.dataset.row import Task, draw, task_of
+    from garmentimage.dataset.row import RowTask, draft_garment, task_from_id
 
     chosen = load_recipe("vae-variety")
-    task = Task(chosen, 5, 16, 2, 31)
-    assert task_of(chosen, task.row_id, 5) == task
-    assert draw(task).index == 31
+    task = RowTask(chosen, 5, 16, 2, 31)
+    assert task_from_id(chosen, task.row_id, 5) == task
+    assert draft_garment(task).index == 31
     for wrong in ("vae-variety-99-0000001", "d2-00-0000001", "vae-variety-02-31", ""):
         with pytest.raises(DatasetError, match="has no row"):
-            task_of(chosen, wrong, 5)
+            task_from_id(chosen, wrong, 5)
 
 
 @given(noise=arrays(np.float32, 32, elements=st.floats(-1, 1, width=32)))

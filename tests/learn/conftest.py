@@ -1,6 +1,6 @@
 import pytest
 
-from garmentimage.dataset.building import DATA, Build, make_shard, plan
+from garmentimage.dataset.building import DATA, BuildSettings, make_shard, plan_shards
 from garmentimage.dataset.recipe import load_recipe
 
 
@@ -9,6 +9,6 @@ def data(tmp_path_factory):
     """A small dataset of `vae-topology`, without its summary."""
     folder = tmp_path_factory.mktemp("topology")
     (folder / DATA).mkdir()
-    for shard in plan(Build(load_recipe("vae-topology"), folder, 20)):
+    for shard in plan_shards(BuildSettings(load_recipe("vae-topology"), folder, 20)):
         (folder / DATA / shard.name).write_bytes(make_shard(shard))
     return folder

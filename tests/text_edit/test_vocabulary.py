@@ -2,13 +2,13 @@
 
 import pytest
 
-from garmentimage.dataset.wording import every_phrase
+from garmentimage.dataset.wording import all_phrases
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.prompts import PROMPTS
 from garmentimage.text_edit.vocabulary import check_known, split_words
 
 
-@pytest.mark.parametrize("text", [*every_phrase(), *(prompt.text for prompt in PROMPTS)])
+@pytest.mark.parametrize("text", [*all_phrases(), *(prompt.text for prompt in PROMPTS)])
 def test_all_that_was_said_in_training_is_known(text):
     assert split_words(text).known and not split_words(text).unknown
 

@@ -11,7 +11,7 @@ from garmentimage.errors import DatasetError
 from garmentimage.system import check_output, shown_path, write_atomically
 
 if TYPE_CHECKING:
-    from garmentimage.dataset import Build, Done
+    from garmentimage.dataset import BuildSettings, FinishedShard
 
 PRESET = "laptop"
 SHEET_ROWS = 12
@@ -59,14 +59,14 @@ def run_build(options: argparse.Namespace) -> Exit:
     _need_extra()
     from tqdm import tqdm
 
-    from garmentimage.dataset import Build, build, plan
+    from garmentimage.dataset import BuildSettings, build_dataset, plan_shards
 
     count = chosen.presets[preset] if options.count is None else options.count
-    what = Build(chosen, options.out, count, options.seed, options.grid, options.unseen)
-    rows = sum(len(shard.places) for shard in plan(what))
+    what = BuildSettings(chosen, options.out, count, options.seed, options.grid, options.unseen)
+    rows = sum(len(shard.places) for shard in plan_shards(what))
     with tqdm(total=rows, unit="row", disable=None, file=sys.stderr, smoothing=0.05) as bar:
 
-        def progress(done: "Done", fresh: bool) -> None:
+        def progress(done: "FinishedShard", fresh: bool) -> None:
             number = done.rows + len(done.failed)
             if fresh:
                 bar.update(number)
@@ -75,7 +75,7 @@ def run_build(options: argparse.Namespace) -> Exit:
                 bar.n += number
                 bar.refresh()
 
-        summary = build(
+        summary = build_dataset(
             what,
             scheduler=options.scheduler,
             workers=options.workers,
@@ -86,7 +86,7 @@ def run_build(options: argparse.Namespace) -> Exit:
     return Exit.OK
 
 
-def _command(what: "Build") -> str:
+def _command(what: "BuildSettings") -> str:
     """The command that makes the same rows again."""
     options = {
         "--count": what.count,
@@ -116,10 +116,10 @@ def run_dataset(options: argparse.Namespace) -> Exit:
                 f"{shown_path(options.out)}: lies in the dataset itself; choose another folder"
             )
     _need_extra()
-    from garmentimage.dataset import row_sheet, summary_of
+    from garmentimage.dataset import read_summary, row_sheet
     from garmentimage.render import png_bytes
 
-    summary = summary_of(options.folder)
+    summary = read_summary(options.folder)
     if options.out is not None:
         write_atomically(options.out, png_bytes(row_sheet(options.folder, options.rows)))
     _tell(options, options.folder, summary)

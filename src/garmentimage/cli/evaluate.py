@@ -14,7 +14,7 @@ from garmentimage.errors import LearnError, quoted
 from garmentimage.system import shown_path, write_atomically
 
 if TYPE_CHECKING:
-    from garmentimage.evaluate import Editing, Guesser, ImageAmounts, Judged, LatentAmounts
+    from garmentimage.evaluate import Candidate, EditMethod, ImageAmounts, LatentAmounts, Predictor
 
 LEVELS = ("full", "paper", "none")
 EXPLORE = {"garments": 300, "pairs": 200, "triplets": 100}
@@ -121,12 +121,18 @@ def _amounts(options: argparse.Namespace, known: dict[str, int], least: int) -> 
 
 
 def _run_explore(options: argparse.Namespace) -> Exit:
-    from garmentimage.dataset import dataset_hash, summary_of
-    from garmentimage.evaluate import EDITS, LatentAmounts, evaluate_latent, facts, markdown
+    from garmentimage.dataset import dataset_hash, read_summary
+    from garmentimage.evaluate import (
+        EDITS,
+        LatentAmounts,
+        describe_run,
+        evaluate_latent,
+        latent_table,
+    )
 
     if options.data is None:
         raise LearnError("name the dataset of the networks with --data")
-    recipe = summary_of(options.data)["recipe"]
+    recipe = read_summary(options.data)["recipe"]
     if recipe not in EDITS:
         raise LearnError(f"{shown_path(options.data)}: is of no recipe for explore")
     networks = _networks(options)
@@ -138,54 +144,56 @@ def _run_explore(options: argparse.Namespace) -> Exit:
     result = {
         **_provenance(recipe),
         "data_sha256": dataset_hash(options.data),
-        **facts(networks, amounts),
+        **describe_run(networks, amounts),
         "figures": figures,
     }
-    _put(options.out, result, markdown(figures))
+    _put(options.out, result, latent_table(figures))
     _draw(options.out, networks, recipe, amounts)
-    return _say(options, options.out, result, markdown(figures))
+    return _say(options, options.out, result, latent_table(figures))
 
 
-def _networks(options: argparse.Namespace) -> list["Judged"]:
-    from garmentimage.evaluate import Judged
+def _networks(options: argparse.Namespace) -> list["Candidate"]:
+    from garmentimage.evaluate import Candidate
     from garmentimage.latent import LatentSpace
 
     data, networks = str(options.data), []
     if options.vae is not None:
         folder = str(LatentSpace.load(options.vae).folder)
-        networks += [Judged(f"raster, {level}", folder, data, level) for level in LEVELS]  # type: ignore[arg-type]
+        networks += [Candidate(f"raster, {level}", folder, data, level) for level in LEVELS]  # type: ignore[arg-type]
     if options.vectors is not None:
         if not (Path(options.vectors) / "model.safetensors").is_file():
             raise LearnError(f"{shown_path(options.vectors)}: holds no network")
-        networks.append(Judged("vectors", str(options.vectors), data, None))
+        networks.append(Candidate("vectors", str(options.vectors), data, None))
     if not networks:
         raise LearnError("name a network with --vae or --vectors")
-    return [*networks, Judged("no network", "", data, "full")]
+    return [*networks, Candidate("no network", "", data, "full")]
 
 
 def _draw(
-    folder: Path, networks: Sequence["Judged"], recipe: str, amounts: "LatentAmounts"
+    folder: Path, networks: Sequence["Candidate"], recipe: str, amounts: "LatentAmounts"
 ) -> None:
     """The first pair across types, and the first triplet of each edit, through each network."""
     from garmentimage.evaluate import (
-        STEPS,
-        codec_of,
+        INTERPOLATION_STEPS,
+        draw_pairs,
+        draw_triplets,
         edit_picture,
-        pairs_of,
-        triplets_of,
-        way_picture,
+        interpolation_picture,
+        load_codec,
     )
     from garmentimage.render import png_bytes
 
     codecs = {
-        judged.name.removesuffix(", full"): codec_of(judged)
+        judged.name.removesuffix(", full"): load_codec(judged)
         for judged in networks
         if judged.level in ("full", None)
     }
-    a, b, _ = pairs_of(networks[0].data, amounts.pairs)[min(1, amounts.pairs - 1)]
-    write_atomically(folder / "way.png", png_bytes(way_picture(codecs, a, b, STEPS)))
+    a, b, _ = draw_pairs(networks[0].data, amounts.pairs)[min(1, amounts.pairs - 1)]
+    write_atomically(
+        folder / "way.png", png_bytes(interpolation_picture(codecs, a, b, INTERPOLATION_STEPS))
+    )
     drawn = set()
-    for triplet in triplets_of(recipe, amounts.triplets):
+    for triplet in draw_triplets(recipe, amounts.triplets):
         name = triplet.edit.name
         if name not in drawn:
             drawn.add(name)
@@ -197,21 +205,21 @@ def _draw(
 
 
 def _run_image(options: argparse.Namespace) -> Exit:
-    from garmentimage.dataset import dataset_hash, summary_of
+    from garmentimage.dataset import dataset_hash, read_summary
     from garmentimage.evaluate import (
         ImageAmounts,
         evaluate_images,
-        groups,
+        group_by_held_out,
         held_out_table,
         image_table,
-        named,
-        with_parts,
+        predictors_from_names,
+        with_baselines,
     )
 
     if options.data is None and options.recipe is None:
         raise LearnError("name a dataset with --data, or a recipe with --recipe")
     data = options.data or Path("data") / options.recipe
-    recipe = summary_of(data)["recipe"]
+    recipe = read_summary(data)["recipe"]
     if options.recipe not in (None, recipe):
         raise LearnError(f"{shown_path(data)}: is of recipe {recipe}, not {quoted(options.recipe)}")
     amounts = ImageAmounts(**_amounts(options, IMAGE, 0))
@@ -223,9 +231,11 @@ def _run_image(options: argparse.Namespace) -> Exit:
         )
     tables: list[str] = []
     results: dict[str, Any] = {}
-    for held_out, guessers in groups(named(runs), data, validation=validation).items():
+    for held_out, guessers in group_by_held_out(
+        predictors_from_names(runs), data, validation=validation
+    ).items():
         folder = options.out / _folder(held_out) if held_out else options.out
-        every = with_parts(guessers)
+        every = with_baselines(guessers)
         with _Bar() as bar:
             told = evaluate_images(
                 every,
@@ -272,35 +282,42 @@ def _folder(held_out: str) -> str:
     return safe_name(held_out)
 
 
-def _facts(guessers: Sequence["Guesser"]) -> list[dict[str, Any]]:
+def _facts(guessers: Sequence["Predictor"]) -> list[dict[str, Any]]:
     """Of each network its folder, and the facts of its run."""
-    from garmentimage.evaluate import run_of
+    from garmentimage.evaluate import read_run
 
     told: list[dict[str, Any]] = []
     for guesser in guessers:
-        run = run_of(guesser)
+        run = read_run(guesser)
         told.append({"name": guesser.name, "folder": guesser.folder})
         told[-1] |= {key: run[key] for key in OF_RUN if key in run}
     return told
 
 
 def _draw_guesses(
-    folder: Path, guessers: Sequence["Guesser"], data: str, held_out: str, amounts: "ImageAmounts"
+    folder: Path, guessers: Sequence["Predictor"], data: str, held_out: str, amounts: "ImageAmounts"
 ) -> None:
     """Some of what is measured, of each split and of all types; one cascade guesses."""
-    from garmentimage.evaluate import CALLED, GIVEN, garments, guesses_picture, has_unseen, order_of
+    from garmentimage.evaluate import (
+        SPLIT_NAMES,
+        TEACHER_STAGES,
+        has_unseen,
+        load_garments,
+        measuring_order,
+        predictions_picture,
+    )
     from garmentimage.render import png_bytes
 
-    chosen: dict[str, Guesser] = {}
+    chosen: dict[str, Predictor] = {}
     for guesser in guessers:
-        if guesser.level == "full" and guesser.kind not in (*GIVEN, "random"):
+        if guesser.level == "full" and guesser.kind not in (*TEACHER_STAGES, "random"):
             key = guesser.kind if guesser.kind == "cascade" else guesser.name
             chosen.setdefault(key, guesser)
-    for split, name in CALLED.items():
+    for split, name in SPLIT_NAMES.items():
         if split == "unseen" and not has_unseen(data, held_out):
             continue
-        album, _ = garments(data, split, held_out)
-        measured = order_of(album)[: amounts.of(split)]
+        album, _ = load_garments(data, split, held_out)
+        measured = measuring_order(album)[: amounts.of(split)]
         # Types in turn: of each the first, then of each the second, and so on.
         seen: Counter[str] = Counter()
         turns = []
@@ -309,7 +326,7 @@ def _draw_guesses(
             seen[album.types[number]] += 1
         numbers = [number for _, number in sorted(turns, key=lambda turn: turn[0])[:SHOWN]]
         if numbers:
-            drawn = guesses_picture(list(chosen.values()), data, held_out, album, numbers)
+            drawn = predictions_picture(list(chosen.values()), data, held_out, album, numbers)
             write_atomically(folder / f"{name}.png", png_bytes(drawn))
 
 
@@ -317,15 +334,15 @@ def _draw_guesses(
 
 
 def _run_edit(options: argparse.Namespace) -> Exit:
-    from garmentimage.dataset import dataset_hash, summary_of
-    from garmentimage.evaluate import evaluate_text_edits, text_picture, text_table
+    from garmentimage.dataset import dataset_hash, read_summary
+    from garmentimage.evaluate import evaluate_text_edits, text_edits_picture, text_table
     from garmentimage.render import png_bytes
 
     if options.data is None:
         raise LearnError("name the dataset of the networks with --data")
     if (options.vectors is None) != (options.vector_pictures is None):
         raise LearnError("give --vectors and --vector-pictures together, or neither")
-    recipe = summary_of(options.data)["recipe"]
+    recipe = read_summary(options.data)["recipe"]
     editors = _editors(options)
     count = _amounts(options, EDIT, 1)["edited"]
     validation = bool(options.validation)
@@ -348,13 +365,13 @@ def _run_edit(options: argparse.Namespace) -> Exit:
         "figures": figures,
     }
     _put(options.out, result, text_table(figures))
-    drawn = text_picture(editors, "validation" if validation else "test")
+    drawn = text_edits_picture(editors, "validation" if validation else "test")
     write_atomically(options.out / "edits.png", png_bytes(drawn))
     return _say(options, options.out, result, text_table(figures))
 
 
-def _editors(options: argparse.Namespace) -> list["Editing"]:
-    from garmentimage.evaluate import Editing
+def _editors(options: argparse.Namespace) -> list["EditMethod"]:
+    from garmentimage.evaluate import EditMethod
     from garmentimage.latent import LatentSpace
     from garmentimage.networks import network_folder
     from garmentimage.text_edit import (
@@ -382,11 +399,11 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
         "tries": tries,
     }  # fmt: skip
     found = [
-        Editing("small guidance", "raster", space=str(space), pictures=str(pictures), **common)
+        EditMethod("small guidance", "raster", space=str(space), pictures=str(pictures), **common)
     ]
     if options.vectors is not None:
         found.append(
-            Editing(
+            EditMethod(
                 "vectors, small guidance",
                 "vectors",
                 space=options.vectors,
@@ -396,12 +413,12 @@ def _editors(options: argparse.Namespace) -> list["Editing"]:
         )
     return [
         *found,
-        Editing("no guidance", "nothing", str(options.data), str(space)),
-        Editing("nearest caption", "caption", str(options.data)),
+        EditMethod("no guidance", "nothing", str(options.data), str(space)),
+        EditMethod("nearest caption", "caption", str(options.data)),
     ]
 
 
-def _named(editing: "Editing") -> dict[str, Any]:
+def _named(editing: "EditMethod") -> dict[str, Any]:
     """An editor for a result: networks that come with the package by name, not by place."""
     from garmentimage.networks import SHIPPED
 

@@ -163,9 +163,9 @@ def _settings(options: argparse.Namespace) -> "TrainingSettings":
 
 
 def _data_facts(folder: Path) -> dict[str, Any]:
-    from garmentimage.dataset import dataset_hash, summary_of
+    from garmentimage.dataset import dataset_hash, read_summary
 
-    summary = summary_of(folder)
+    summary = read_summary(folder)
     names = ("recipe", "version", "count", "seed", "grid")
     return {
         "data": {name: summary.get(name) for name in names}, "data_sha256": dataset_hash(folder)
@@ -178,10 +178,10 @@ def _told(
     log: tuple[dict[str, float], ...],
     count: int,
 ) -> dict[str, Any]:
-    from garmentimage.dataset import dataset_hash, summary_of
+    from garmentimage.dataset import dataset_hash, read_summary
     from garmentimage.learn import RUN_FILE
 
-    summary = summary_of(options.data)
+    summary = read_summary(options.data)
     run = json.loads((options.out / RUN_FILE).read_text(encoding="utf-8"))
     return {
         "recipe": summary["recipe"],

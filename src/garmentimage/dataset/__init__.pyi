@@ -1,34 +1,34 @@
 from .building import (
-    Build as Build,
-    Done as Done,
-    build as build,
-    plan as plan,
+    BuildSettings as BuildSettings,
+    FinishedShard as FinishedShard,
+    build_dataset as build_dataset,
+    plan_shards as plan_shards,
 )
 from .overview import (
     dataset_hash as dataset_hash,
+    read_summary as read_summary,
     row_sheet as row_sheet,
-    summary_of as summary_of,
 )
 from .read import (
-    facts as facts,
     has_split as has_split,
-    patterns_of as patterns_of,
-    rasters as rasters,
+    parse_patterns as parse_patterns,
+    raster_arrays as raster_arrays,
+    read_tables as read_tables,
     shard_files as shard_files,
-    tables as tables,
+    shard_metadata as shard_metadata,
 )
 from .recipe import (
     load_recipe as load_recipe,
     recipe_names as recipe_names,
 )
 from .row import (
-    draw as draw,
-    task_of as task_of,
+    draft_garment as draft_garment,
+    task_from_id as task_from_id,
 )
 from .wording import (
-    alike as alike,
+    all_phrases as all_phrases,
     aspect_of as aspect_of,
     bottoms_of as bottoms_of,
-    every_phrase as every_phrase,
-    worded as worded,
+    random_prompt as random_prompt,
+    synonyms as synonyms,
 )

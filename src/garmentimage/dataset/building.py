@@ -22,10 +22,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from garmentimage.dataset.card import dataset_card
-from garmentimage.dataset.engine import check_scheduler, results
-from garmentimage.dataset.recipe import MOST_ROWS, PERIOD, SPLITS, Recipe
-from garmentimage.dataset.row import SCHEMA, Failed, Task, make_row
-from garmentimage.dataset.shard import schema, shard_bytes, shard_facts
+from garmentimage.dataset.engine import check_scheduler, run_tasks
+from garmentimage.dataset.recipe import MAX_ROWS, PERIOD, SPLITS, Recipe
+from garmentimage.dataset.row import SCHEMA, FailedRow, RowTask, make_row
+from garmentimage.dataset.shard import parse_metadata, schema, shard_bytes
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.raster.encode import GRIDS
 from garmentimage.system import shown_path, write_atomically
@@ -35,11 +35,11 @@ PLAN_FILE, SUMMARY_FILE, CARD_FILE = "build.json", "summary.json", "README.md"
 UNSEEN = "unseen"
 DATA = "data"
 """Folder of the shards."""
-REMOVE = "remove it and build again"
+REMEDY = "remove it and build again"
 
 
 @dataclass(frozen=True)
-class Build:
+class BuildSettings:
     """What is built, and where."""
 
     recipe: Recipe
@@ -74,7 +74,7 @@ class Shard:
     """Some rows of one split, told by where they stand in it."""
 
     name: str
-    build: Build
+    build: BuildSettings
     split: str
     places: range
 
@@ -85,27 +85,27 @@ class Shard:
         return told | {"split": self.split, "places": [self.places.start, self.places.stop]}
 
     @property
-    def tasks(self) -> list[Task]:
+    def tasks(self) -> list[RowTask]:
         """Its rows; types take turns."""
         what, block = self.build, _block(self.build.recipe, self.split)
         turns = ((place // len(block), block[place % len(block)]) for place in self.places)
         return [
-            Task(what.recipe, what.seed, what.grid, number, turn * PERIOD + index)
+            RowTask(what.recipe, what.seed, what.grid, number, turn * PERIOD + index)
             for turn, (index, number) in turns
         ]
 
 
 @dataclass(frozen=True)
-class Done:
+class FinishedShard:
     """A shard that is written."""
 
     name: str
     rows: int
-    failed: tuple[Failed, ...]
+    failed: tuple[FailedRow, ...]
     sha256: str
 
 
-def plan(build: Build) -> tuple[Shard, ...]:
+def plan_shards(build: BuildSettings) -> tuple[Shard, ...]:
     """All shards of a dataset, split by split; types take turns within a split.
 
     Raises:
@@ -116,9 +116,9 @@ def plan(build: Build) -> tuple[Shard, ...]:
         raise DatasetError(f"grid is {build.grid}; give an even number from {low} to {high}")
     types = build.recipe.types
     for count in (build.count, build.rows_of("unseen")):
-        if not 1 <= count <= MOST_ROWS // len(types):
+        if not 1 <= count <= MAX_ROWS // len(types):
             raise DatasetError(
-                f"{count} rows a type; give 1 to {MOST_ROWS // len(types)} with this recipe"
+                f"{count} rows a type; give 1 to {MAX_ROWS // len(types)} with this recipe"
             )
     shards = []
     for split in SPLITS:
@@ -146,17 +146,17 @@ def _block(recipe: Recipe, split: str) -> list[tuple[int, int]]:
 def make_shard(shard: Shard) -> bytes:
     """All rows of a shard, as its file."""
     made = [make_row(task) for task in shard.tasks]
-    rows = [row for row in made if not isinstance(row, Failed)]
-    failed = [row for row in made if isinstance(row, Failed)]
+    rows = [row for row in made if not isinstance(row, FailedRow)]
+    failed = [row for row in made if isinstance(row, FailedRow)]
     return shard_bytes(shard.build.recipe, shard.build.grid, rows, failed, shard.identity())
 
 
-def build(
-    what: Build,
+def build_dataset(
+    what: BuildSettings,
     *,
     scheduler: str | None = None,
     workers: int = 2,
-    progress: Callable[[Done, bool], None] = lambda done, fresh: None,
+    progress: Callable[[FinishedShard, bool], None] = lambda done, fresh: None,
     command: str = "",
 ) -> dict[str, Any]:
     """Make what is missing of a dataset, and sum it up.
@@ -176,20 +176,20 @@ def build(
             that cannot work, or settings with which no row can be made.
         OutputError: a file that cannot be written; what was finished stays.
     """
-    shards = plan(what)
+    shards = plan_shards(what)
     if scheduler is not None:
         check_scheduler(scheduler)
-    data = _prepared(what)
+    data = _prepare_folder(what)
     _check_names(data, {shard.name for shard in shards})
-    done: dict[str, Done] = {}
+    done: dict[str, FinishedShard] = {}
     for shard in shards:
         if os.path.lexists(data / shard.name):
-            done[shard.name] = _checked(data / shard.name, shard)
+            done[shard.name] = _verified(data / shard.name, shard)
             progress(done[shard.name], False)
     missing = [shard for shard in shards if shard.name not in done]
-    for shard, raw in results(make_shard, missing, scheduler, workers) if missing else ():
+    for shard, raw in run_tasks(make_shard, missing, scheduler, workers) if missing else ():
         write_atomically(data / shard.name, raw)
-        done[shard.name] = _told(shard, raw)
+        done[shard.name] = _finished(shard, raw)
         progress(done[shard.name], True)
     summary = _summary(what, [done[shard.name] for shard in shards])
     if not summary["rows"]:
@@ -198,18 +198,18 @@ def build(
             f"{shown_path(what.folder)}: no row could be made; {number} failed because of {cause}; "
             "build it with other settings in another folder"
         )
-    _write_anew(what.folder / SUMMARY_FILE, _text(summary), missing)
-    _write_anew(what.folder / CARD_FILE, dataset_card(what.recipe, summary, command), missing)
+    _write_if_missing(what.folder / SUMMARY_FILE, _json_text(summary), missing)
+    _write_if_missing(what.folder / CARD_FILE, dataset_card(what.recipe, summary, command), missing)
     return summary
 
 
-def _write_anew(file: Path, text: str, missing: list[Shard]) -> None:
+def _write_if_missing(file: Path, text: str, missing: list[Shard]) -> None:
     """Write what sums up a dataset, unless that is there already and nothing was missing."""
     if missing or not file.exists():
         write_atomically(file, text)
 
 
-def _prepared(what: Build) -> Path:
+def _prepare_folder(what: BuildSettings) -> Path:
     """The folder of the shards, made where it is not there."""
     folder, wanted = what.folder, what.identity()
     file, data = folder / PLAN_FILE, folder / DATA
@@ -222,7 +222,7 @@ def _prepared(what: Build) -> Path:
                 f"{shown_path(folder)}: holds other files and no dataset; choose another folder"
             )
         else:
-            write_atomically(file, _text(wanted))
+            write_atomically(file, _json_text(wanted))
         data.mkdir(exist_ok=True)
     except (OSError, ValueError) as error:
         if isinstance(error, DatasetError):
@@ -258,42 +258,42 @@ def _check_names(data: Path, planned: set[str]) -> None:
             raise DatasetError(f"{shown_path(path)}: is no shard of this dataset; remove it")
 
 
-def _checked(path: Path, shard: Shard) -> Done:
+def _verified(path: Path, shard: Shard) -> FinishedShard:
     """A shard that is there, read as a whole.
 
     Raises:
         DatasetError: it is damaged, or holds other rows than it should.
     """
     if path.is_symlink() or not path.is_file():
-        raise DatasetError(f"{shown_path(path)}: is no plain file; {REMOVE}")
+        raise DatasetError(f"{shown_path(path)}: is no plain file; {REMEDY}")
     try:
         raw = path.read_bytes()
         table = pq.read_table(BytesIO(raw), page_checksum_verification=True)
-        done = _told(shard, raw)
+        done = _finished(shard, raw)
     except DatasetError as error:
         raise DatasetError(f"{shown_path(path)}: {error}") from None
     except (pa.ArrowException, OSError) as error:
         reason = getattr(error, "strerror", None) or "it is damaged"
-        raise DatasetError(f"{shown_path(path)}: cannot be read ({reason}); {REMOVE}") from None
+        raise DatasetError(f"{shown_path(path)}: cannot be read ({reason}); {REMEDY}") from None
     if not table.schema.equals(schema(shard.build.recipe, shard.build.grid)):
-        raise DatasetError(f"{shown_path(path)}: has other columns than it should; {REMOVE}")
+        raise DatasetError(f"{shown_path(path)}: has other columns than it should; {REMEDY}")
     return done
 
 
-def _told(shard: Shard, raw: bytes) -> Done:
+def _finished(shard: Shard, raw: bytes) -> FinishedShard:
     file = pq.ParquetFile(BytesIO(raw))
-    facts, rows = shard_facts(file.schema_arrow), file.metadata.num_rows
+    facts, rows = parse_metadata(file.schema_arrow), file.metadata.num_rows
     if facts.identity != shard.identity() or rows + len(facts.failed) != len(shard.places):
-        raise DatasetError(f"holds other rows than it should; {REMOVE}")
-    return Done(shard.name, rows, facts.failed, hashlib.sha256(raw).hexdigest())
+        raise DatasetError(f"holds other rows than it should; {REMEDY}")
+    return FinishedShard(shard.name, rows, facts.failed, hashlib.sha256(raw).hexdigest())
 
 
-def _summary(what: Build, done: list[Done]) -> dict[str, Any]:
+def _summary(what: BuildSettings, done: list[FinishedShard]) -> dict[str, Any]:
     rows = Counter({split: 0 for split in SPLITS})
     for each in done:
         rows[each.name.split("-")[0]] += each.rows
     failed = [row for each in done for row in each.failed]
-    asked = sum(len(shard.places) for shard in plan(what))
+    asked = sum(len(shard.places) for shard in plan_shards(what))
     return {
         **what.identity(),
         "rows": sum(rows.values()),
@@ -312,5 +312,5 @@ def _cause(reason: str) -> str:
     return " ".join(word for word in words if not any(c.isdigit() for c in word))
 
 
-def _text(data: dict[str, Any]) -> str:
+def _json_text(data: dict[str, Any]) -> str:
     return json.dumps(data, indent=1) + "\n"

@@ -13,17 +13,17 @@ from typing import Any, TypeVar
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.system import ctrl_c_held
 
-WAITING = 2
+MAX_QUEUED = 2
 """Pieces of work that each worker has before it, at most."""
-ANSWER_S = 20.0
+TIMEOUT_S = 20.0
 """How long a scheduler may take to answer."""
-AGAIN = "what is finished stays, so run the same command again"
+RESUME_HINT = "what is finished stays, so run the same command again"
 
 Work = TypeVar("Work")
 Result = TypeVar("Result")
 
 
-def results(
+def run_tasks(
     do: Callable[[Work], Result],
     pieces: Sequence[Work],
     scheduler: str | None,
@@ -47,7 +47,7 @@ def results(
 
     with _client(scheduler, min(workers, len(pieces))) as client:
         waiting = iter(pieces)
-        most = WAITING * max(len(client.scheduler_info(n_workers=-1)["workers"]), 1)
+        most = MAX_QUEUED * max(len(client.scheduler_info(n_workers=-1)["workers"]), 1)
         of_future = {}
         running = as_completed()
 
@@ -67,10 +67,10 @@ def results(
                     submit(piece)
         except KilledWorker:
             raise DatasetError(
-                f"workers died again and again over one shard, perhaps for want of memory; {AGAIN}"
+                f"workers died repeatedly over one shard, perhaps for want of memory; {RESUME_HINT}"
             ) from None
         except (FutureCancelledError, CommClosedError):
-            raise DatasetError(f"the scheduler went away; {AGAIN}") from None
+            raise DatasetError(f"the scheduler went away; {RESUME_HINT}") from None
 
 
 def check_scheduler(address: str) -> None:
@@ -82,11 +82,11 @@ def check_scheduler(address: str) -> None:
     from distributed.comm import connect
 
     async def knock() -> None:
-        comm = await connect(address, timeout=ANSWER_S)
+        comm = await connect(address, timeout=TIMEOUT_S)
         comm.abort()
 
     try:
-        asyncio.run(asyncio.wait_for(knock(), ANSWER_S))
+        asyncio.run(asyncio.wait_for(knock(), TIMEOUT_S))
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise DatasetError(
             f"no scheduler answers at {quoted(address)} ({type(error).__name__}); start one with "
@@ -100,7 +100,7 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
 
     if scheduler is not None:
         check_scheduler(scheduler)
-        with Client(scheduler, timeout=ANSWER_S) as client:
+        with Client(scheduler, timeout=TIMEOUT_S) as client:
             _check_workers(client, scheduler)
             yield client
         return

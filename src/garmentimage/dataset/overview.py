@@ -21,7 +21,7 @@ TILE = 256
 """Rows of a tile [pixel]."""
 
 
-def summary_of(folder: Path) -> dict[str, Any]:
+def read_summary(folder: Path) -> dict[str, Any]:
     """The summary of a built dataset.
 
     Raises:
@@ -59,7 +59,7 @@ def dataset_hash(folder: Path) -> str:
     Raises:
         DatasetError: there is none.
     """
-    shards = summary_of(folder).get("shards", {})
+    shards = read_summary(folder).get("shards", {})
     text = "".join(f"{name} {told['sha256']}\n" for name, told in sorted(shards.items()))
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -12,7 +12,7 @@ from jaxtyping import Float32
 
 from garmentimage.dataset.building import DATA
 from garmentimage.dataset.recipe import SPLITS
-from garmentimage.dataset.shard import ShardFacts, shard_facts
+from garmentimage.dataset.shard import ShardMetadata, parse_metadata
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.pattern import Pattern
 from garmentimage.pattern.files import pattern_from_spec
@@ -53,7 +53,7 @@ def has_split(folder: str | Path, split: str) -> bool:
     return any(file.name.startswith(f"{split}-") for file in shard_files(folder))
 
 
-def tables(
+def read_tables(
     folder: str | Path, split: str | None, columns: Sequence[str] | None = None
 ) -> Iterator[pa.Table]:
     """Rows of a split, one shard at a time.
@@ -92,13 +92,13 @@ def row_count(file: Path) -> int:
     return _read(file, lambda shard: shard.metadata.num_rows)
 
 
-def facts(file: Path) -> ShardFacts:
+def shard_metadata(file: Path) -> ShardMetadata:
     """What a shard tells of itself.
 
     Raises:
         DatasetError: it is damaged, or none of ours.
     """
-    return _read(file, lambda shard: shard_facts(shard.schema_arrow))
+    return _read(file, lambda shard: parse_metadata(shard.schema_arrow))
 
 
 def column_names(file: Path) -> list[str]:
@@ -128,7 +128,7 @@ def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
     return _read(file, lambda shard: shard.read_row_group(number, list(columns)))
 
 
-def rasters(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row col"]]:
+def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row col"]]:
     """The rasters of some rows, without making a Python object of every number.
 
     Raises:
@@ -152,7 +152,7 @@ def rasters(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row c
     return [part.reshape(-1, CHANNELS_PER_LAYER, grid, grid) for part in parts]
 
 
-def patterns_of(texts: Sequence[str], folder: str | Path) -> list[Pattern]:
+def parse_patterns(texts: Sequence[str], folder: str | Path) -> list[Pattern]:
     """Patterns of rows, from their JSON.
 
     Raises:
@@ -169,7 +169,7 @@ def patterns_of(texts: Sequence[str], folder: str | Path) -> list[Pattern]:
 def _read(file: Path, what: Any, columns: Sequence[str] | None = None) -> Any:
     try:
         with pq.ParquetFile(file, page_checksum_verification=True) as shard:
-            shard_facts(shard.schema_arrow)
+            parse_metadata(shard.schema_arrow)
             for name in columns or ():
                 if name not in shard.schema_arrow.names:
                     raise DatasetError(f"has no column {quoted(name)}")

@@ -32,9 +32,9 @@ PERIOD = 20
 """Of so many rows of a type in order, the shares are taken: the same ones of every so many."""
 LOOKS = ("plain", "random")
 PICTURE_SIZES = (16, 1024)
-MOST_ROWS = 10_000_000
+MAX_ROWS = 10_000_000
 """Of a dataset."""
-_WORDS = {
+_KIND_NAMES = {
     str: "a text",
     int: "a whole number",
     bool: "true or false",
@@ -135,35 +135,35 @@ def parse_recipe(text: str) -> Recipe:
     optional = {"test_bodies", "colours", "look", "picture"}
     _check_keys(facts, _KEYS, required=_KEYS.keys() - optional)
     try:
-        return _recipe(facts)
+        return _parse(facts)
     except DatasetError:
         raise
     except GarmentImageError as error:
         raise DatasetError(str(error)) from None
 
 
-def _recipe(facts: Mapping[str, Any]) -> Recipe:
+def _parse(facts: Mapping[str, Any]) -> Recipe:
     for number in facts["presets"].values():
         _check_kind("preset", number, int)
     made = Recipe(
         name=facts["name"],
         version=facts["version"],
         doc=facts["doc"],
-        types=tuple(_type(each) for each in facts["types"]),
-        bodies=_known(facts["bodies"], presets(), "body"),
-        test_bodies=_known(facts.get("test_bodies", ()), presets(), "body"),
-        fabrics=_known(facts["fabrics"], FABRICS, "fabric"),
-        views=_known(facts["views"], VIEWS, "view"),
+        types=tuple(_parse_type(each) for each in facts["types"]),
+        bodies=_check_names(facts["bodies"], presets(), "body"),
+        test_bodies=_check_names(facts.get("test_bodies", ()), presets(), "body"),
+        fabrics=_check_names(facts["fabrics"], FABRICS, "fabric"),
+        views=_check_names(facts["views"], VIEWS, "view"),
         picture=facts.get("picture", 0),
-        look=_known([facts.get("look", "plain")], LOOKS, "look")[0],
+        look=_check_names([facts.get("look", "plain")], LOOKS, "look")[0],
         colours=facts.get("colours", {}),
         presets=facts["presets"],
     )
     if not _NAME.fullmatch(made.name):
         raise DatasetError(f"a recipe is named by a-z, 0-9 and -, not {quoted(made.name)}")
     for what, number in (("version", made.version), *made.presets.items()):
-        if not 1 <= number <= MOST_ROWS:
-            raise DatasetError(f"{what} of the recipe is {number}; give 1 to {MOST_ROWS}")
+        if not 1 <= number <= MAX_ROWS:
+            raise DatasetError(f"{what} of the recipe is {number}; give 1 to {MAX_ROWS}")
     for group in made.colours:
         if group not in Look().colours:
             raise DatasetError(
@@ -183,10 +183,10 @@ def _recipe(facts: Mapping[str, Any]) -> Recipe:
     return made
 
 
-def _type(facts: Any) -> GarmentType:
+def _parse_type(facts: Any) -> GarmentType:
     _check_kind("type", facts, dict)
     _check_keys(facts, _TYPE_KEYS, required={"name", "kind"})
-    (kind,) = _known([facts["kind"]], KINDS, "kind")
+    (kind,) = _check_names([facts["kind"]], KINDS, "kind")
     fixed = facts.get("fixed", {})
     if not facts["name"]:
         raise DatasetError("a type of the recipe has no name")
@@ -199,7 +199,7 @@ def _type(facts: Any) -> GarmentType:
     )
 
 
-def _known(names: Any, known: Any, what: str) -> tuple[str, ...]:
+def _check_names(names: Any, known: Any, what: str) -> tuple[str, ...]:
     for name in names:
         _check_kind(what, name, str)
         if name not in known:
@@ -219,5 +219,5 @@ def _check_keys(facts: Mapping[str, Any], known: Mapping[str, type], *, required
 def _check_kind(what: str, value: Any, wanted: type) -> None:
     if type(value) is not wanted:
         raise DatasetError(
-            f"{what} of the recipe is {quoted(str(value))}; give {_WORDS[wanted]} there"
+            f"{what} of the recipe is {quoted(str(value))}; give {_KIND_NAMES[wanted]} there"
         )

@@ -25,14 +25,14 @@ from garmentimage.render.worn import Look, map_bytes, photograph
 
 SCHEMA = 2
 """Version of what a shard holds, and its rows."""
-UNTOLD = ("seconds",)
+NONDETERMINISTIC = ("seconds",)
 """What a drape's report tells that is not the same on every run."""
 _LOOK, _BODY, _FABRIC = range(3)
 """Streams of random numbers of a row."""
 
 
 @dataclass(frozen=True)
-class Task:
+class RowTask:
     """Which row to make."""
 
     recipe: Recipe
@@ -73,7 +73,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Failed:
+class FailedRow:
     """A row that could not be made."""
 
     row_id: str
@@ -82,7 +82,7 @@ class Failed:
     reason: str
 
 
-def make_row(task: Task) -> dict[str, Any] | Failed:
+def make_row(task: RowTask) -> dict[str, Any] | FailedRow:
     """One row, or why there is none.
 
     Returns:
@@ -95,24 +95,24 @@ def make_row(task: Task) -> dict[str, Any] | Failed:
     body = _body(task)
     fabric = _chosen(task, _FABRIC, recipe.fabrics)
     try:
-        garment = draw(task)
+        garment = draft_garment(task)
         stage = "encode"
         image = encode(garment.pattern, task.grid)
-        row = _facts(task, garment, body, fabric)
+        row = _metadata(task, garment, body, fabric)
         channels = image.to_channels()
         row["raster"] = channels.reshape(image.layers, -1, task.grid, task.grid)
         stage = "drape"
         if recipe.views:
             worn = drape_pattern(garment.pattern, wearer(body), fabric=fabric)
             if worn.report.faults:
-                return Failed(task.row_id, stage, "; ".join(worn.report.faults))
+                return FailedRow(task.row_id, stage, "; ".join(worn.report.faults))
             row |= _pictures(task, worn)
     except GarmentImageError as error:
-        return Failed(task.row_id, stage, str(error))
+        return FailedRow(task.row_id, stage, str(error))
     return row
 
 
-def draw(task: Task) -> Sample:
+def draft_garment(task: RowTask) -> Sample:
     """The garment of a row.
 
     Raises:
@@ -129,7 +129,7 @@ def draw(task: Task) -> Sample:
     return next(drawn)
 
 
-def task_of(recipe: Recipe, row_id: str, seed: int, grid: int = 16) -> Task:
+def task_from_id(recipe: Recipe, row_id: str, seed: int, grid: int = 16) -> RowTask:
     """Which row has this id.
 
     Raises:
@@ -138,18 +138,18 @@ def task_of(recipe: Recipe, row_id: str, seed: int, grid: int = 16) -> Task:
     found = re.fullmatch(re.escape(recipe.name) + r"-(\d{2})-(\d{7,})", row_id, re.ASCII)
     if found is None or int(found[1]) >= len(recipe.types):
         raise DatasetError(f"recipe {recipe.name} has no row {quoted(row_id)}")
-    return Task(recipe, seed, grid, int(found[1]), int(found[2]))
+    return RowTask(recipe, seed, grid, int(found[1]), int(found[2]))
 
 
-def _body(task: Task) -> str:
+def _body(task: RowTask) -> str:
     return _chosen(task, _BODY, task.recipe.wearers(task.split))
 
 
-def _chosen(task: Task, stream: int, names: tuple[str, ...]) -> str:
+def _chosen(task: RowTask, stream: int, names: tuple[str, ...]) -> str:
     return names[int(task.random(stream).random() * len(names))]
 
 
-def _facts(task: Task, garment: Sample, body: str, fabric: str) -> dict[str, Any]:
+def _metadata(task: RowTask, garment: Sample, body: str, fabric: str) -> dict[str, Any]:
     parameters = garment.record()["parameters"]
     return {
         "id": task.row_id,
@@ -162,13 +162,13 @@ def _facts(task: Task, garment: Sample, body: str, fabric: str) -> dict[str, Any
         "split": task.split,
         "body": body,
         "fabric": fabric,
-        "parameters": _text(parameters),
-        "pattern": _text(pattern_to_spec(garment.pattern)),
+        "parameters": _json_text(parameters),
+        "pattern": _json_text(pattern_to_spec(garment.pattern)),
         "captions": list(captions(task.type.kind, parameters)),
     }
 
 
-def _pictures(task: Task, worn: Worn) -> dict[str, Any]:
+def _pictures(task: RowTask, worn: Worn) -> dict[str, Any]:
     recipe, pictures, panels = task.recipe, {}, b""
     random = task.random(_LOOK)
     look = Look.random(random) if recipe.look == "random" else _plain(recipe)
@@ -176,13 +176,15 @@ def _pictures(task: Task, worn: Worn) -> dict[str, Any]:
         views = photograph(worn, look, view=view, size=recipe.picture)
         pictures[view] = png_bytes(views.colour)
         panels = panels or map_bytes(views, "panels")
-    report = {key: value for key, value in asdict(worn.report).items() if key not in UNTOLD}
-    return {"pictures": pictures, "panels": panels, "report": _text(report)}
+    report = {
+        key: value for key, value in asdict(worn.report).items() if key not in NONDETERMINISTIC
+    }
+    return {"pictures": pictures, "panels": panels, "report": _json_text(report)}
 
 
 def _plain(recipe: Recipe) -> Look:
     return Look(colours={**Look().colours, **recipe.colours})
 
 
-def _text(data: Mapping[str, Any]) -> str:
+def _json_text(data: Mapping[str, Any]) -> str:
     return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

@@ -16,10 +16,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from garmentimage.dataset.recipe import Recipe
-from garmentimage.dataset.row import SCHEMA, Failed
+from garmentimage.dataset.row import SCHEMA, FailedRow
 from garmentimage.errors import DatasetError
 
-OURS = b"garmentimage"
+METADATA_KEY = b"garmentimage"
 ROW_GROUP = 50
 """Rows that are read at a time."""
 _TEXTS = (
@@ -53,14 +53,14 @@ def picture_columns(recipe: Recipe) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class ShardFacts:
+class ShardMetadata:
     """What a shard tells of itself."""
 
     identity: Mapping[str, Any]
     """What it was built as."""
     types: tuple[str, ...]
     """All types of its recipe."""
-    failed: tuple[Failed, ...]
+    failed: tuple[FailedRow, ...]
     """The rows that it lacks because they could not be made."""
 
 
@@ -68,7 +68,7 @@ def shard_bytes(
     recipe: Recipe,
     grid: int,
     rows: Sequence[dict[str, Any]],
-    failed: Sequence[Failed],
+    failed: Sequence[FailedRow],
     identity: Mapping[str, Any],
 ) -> bytes:
     """A Parquet file with some rows; the same bytes for the same rows."""
@@ -79,7 +79,7 @@ def shard_bytes(
         "types": [each.name for each in recipe.types],
         "failed": [asdict(each) for each in failed],
     }
-    wanted = wanted.with_metadata({**wanted.metadata, OURS: _json(told)})
+    wanted = wanted.with_metadata({**wanted.metadata, METADATA_KEY: _json(told)})
     columns = {name: [_cell(row, name) for row in rows] for name in wanted.names}
     arrays = [
         _rasters(columns[field.name], field.type)
@@ -98,19 +98,19 @@ def shard_bytes(
     return file.getvalue()
 
 
-def shard_facts(found: pa.Schema) -> ShardFacts:
+def parse_metadata(found: pa.Schema) -> ShardMetadata:
     """What a shard's schema tells.
 
     Raises:
         DatasetError: it is that of no shard of ours.
     """
     try:
-        told = json.loads((found.metadata or {})[OURS])
+        told = json.loads((found.metadata or {})[METADATA_KEY])
         version = told["schema"]
-        facts = ShardFacts(
+        facts = ShardMetadata(
             dict(told["identity"]),
             tuple(told["types"]),
-            tuple(Failed(**each) for each in told["failed"]),
+            tuple(FailedRow(**each) for each in told["failed"]),
         )
         texts = [*facts.types, *(text for each in facts.failed for text in asdict(each).values())]
         if not all(isinstance(text, str) for text in texts):

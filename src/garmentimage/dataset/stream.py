@@ -12,11 +12,11 @@ from torch.utils.data import IterableDataset, get_worker_info
 
 from garmentimage.dataset.read import (
     column_names,
-    facts,
-    rasters,
+    raster_arrays,
     row_group,
     row_groups,
     shard_files,
+    shard_metadata,
 )
 from garmentimage.draft import near
 from garmentimage.errors import DatasetError, quoted
@@ -60,7 +60,7 @@ class RowStream(IterableDataset):
             if name not in there:
                 raise DatasetError(f"{shown_path(folder)}: has no column {quoted(name)}")
         self.without, self.only = (
-            _types(facts(files[0]).types, names) for names in (without, only)
+            _types(shard_metadata(files[0]).types, names) for names in (without, only)
         )
         if seed is not None and (not isinstance(seed, int) or seed < 0):
             raise DatasetError(f"seed is {seed!r}; give a whole number from 0")
@@ -91,7 +91,7 @@ class RowStream(IterableDataset):
         ]
         if self.seed is not None:
             np.random.default_rng([self.seed, self.epoch, number]).shuffle(wanted)
-        images = rasters(table["raster"]) if "raster" in self.columns else []
+        images = raster_arrays(table["raster"]) if "raster" in self.columns else []
         plain = table.drop_columns(["raster"]) if images else table
         for k in wanted:
             row = plain.slice(k, 1).to_pylist()[0]

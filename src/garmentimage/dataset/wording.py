@@ -87,7 +87,7 @@ NECKLINES: Phrases = {
     "square": ("a square neckline", "square neck"),
     "boat": ("a boat neckline", "boat neck"),
 }
-MOST_ASPECTS = 4
+MAX_ASPECTS = 4
 JOINTS = (", ", " and ", " with ", " ")
 
 
@@ -121,19 +121,19 @@ def phrases(kind: str, parameters: Mapping[str, Any]) -> dict[str, tuple[str, ..
     return told
 
 
-def worded(kind: str, parameters: Mapping[str, Any], random: np.random.Generator) -> str:
+def random_prompt(kind: str, parameters: Mapping[str, Any], random: np.random.Generator) -> str:
     """A few of the phrases of a garment, chosen and joined at random; one alone most often."""
     told = list(phrases(kind, parameters).values())
     if not told:
         return kind
-    count = min(1 + int(random.geometric(0.5) - 1), MOST_ASPECTS, len(told))
+    count = min(1 + int(random.geometric(0.5) - 1), MAX_ASPECTS, len(told))
     chosen = [told[int(k)] for k in random.permutation(len(told))[:count]]
     words = [each[int(random.integers(len(each)))] for each in chosen]
     joint = JOINTS[int(random.integers(len(JOINTS)))] if count == 2 else ", "
     return joint.join(words)
 
 
-def every_phrase() -> tuple[str, ...]:
+def all_phrases() -> tuple[str, ...]:
     """All phrases that may be said of some garment."""
     return tuple(sorted(_aspects()))
 
@@ -144,7 +144,7 @@ def aspect_of(phrase: str) -> str:
 
 
 @cache
-def alike(phrase: str) -> frozenset[str]:
+def synonyms(phrase: str) -> frozenset[str]:
     """All phrases that are said of the same garments, the phrase among them."""
     return frozenset(word for _, words in _groups() if phrase in words for word in words)
 

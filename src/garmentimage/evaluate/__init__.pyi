@@ -7,43 +7,43 @@ from .edit_triplets import (
 )
 from .figure import (
     edit_picture as edit_picture,
-    guesses_picture as guesses_picture,
-    text_picture as text_picture,
-    way_picture as way_picture,
+    interpolation_picture as interpolation_picture,
+    predictions_picture as predictions_picture,
+    text_edits_picture as text_edits_picture,
 )
 from .image import (
-    CALLED as CALLED,
+    SPLIT_NAMES as SPLIT_NAMES,
     evaluate_images as evaluate_images,
-    garments as garments,
     has_unseen as has_unseen,
-    order_of as order_of,
-    with_parts as with_parts,
+    load_garments as load_garments,
+    measuring_order as measuring_order,
+    with_baselines as with_baselines,
 )
 from .latent import (
-    STEPS as STEPS,
-    Judged as Judged,
-    codec_of as codec_of,
+    INTERPOLATION_STEPS as INTERPOLATION_STEPS,
+    Candidate as Candidate,
+    describe_run as describe_run,
+    draw_pairs as draw_pairs,
+    draw_triplets as draw_triplets,
     evaluate_latent as evaluate_latent,
-    facts as facts,
-    pairs_of as pairs_of,
-    triplets_of as triplets_of,
+    load_codec as load_codec,
 )
 from .predictors import (
-    GIVEN as GIVEN,
-    Guesser as Guesser,
-    named as named,
+    TEACHER_STAGES as TEACHER_STAGES,
+    Predictor as Predictor,
+    predictors_from_names as predictors_from_names,
 )
 from .splits import (
-    groups as groups,
-    run_of as run_of,
+    group_by_held_out as group_by_held_out,
+    read_run as read_run,
 )
 from .table import (
     held_out_table as held_out_table,
     image_table as image_table,
-    markdown as markdown,
+    latent_table as latent_table,
     text_table as text_table,
 )
 from .text import (
-    Editing as Editing,
+    EditMethod as EditMethod,
     evaluate_text_edits as evaluate_text_edits,
 )

@@ -23,7 +23,7 @@ SEED = 7_400_000
 
 
 @dataclass(frozen=True)
-class Made:
+class PartialDesign:
     """A kind of garment with some parameters fixed."""
 
     kind: str
@@ -35,10 +35,10 @@ class Edit:
     """What is changed, and on which garments."""
 
     name: str
-    before: Made
-    after: Made
-    on: Made
-    truth: Made
+    before: PartialDesign
+    after: PartialDesign
+    on: PartialDesign
+    truth: PartialDesign
     brought: tuple[str, ...] = ()
     """Parameters of the part: the truth has them from B."""
     unseen: bool = False
@@ -57,18 +57,18 @@ class Triplet:
     truth: Pattern
 
 
-def _made(kind: str, sleeves: str | None = "none", **fixed: Value) -> Made:
-    return Made(kind, ({} if sleeves is None else {"sleeves": sleeves}) | fixed)
+def _design(kind: str, sleeves: str | None = "none", **fixed: Value) -> PartialDesign:
+    return PartialDesign(kind, ({} if sleeves is None else {"sleeves": sleeves}) | fixed)
 
 
-DRESS, JUMPSUIT = _made("one-panel-dress", cutout="none"), _made("one-panel-jumpsuit")
-TOP_PANTS, TOP_SKIRT = _made("top-pants"), _made("top-skirt")
-SLEEVED_DRESS = _made("one-panel-dress", "set-in", cutout="none")
-SLEEVED_PANTS, SLEEVED_SKIRT = _made("top-pants", "set-in"), _made("top-skirt", "set-in")
+DRESS, JUMPSUIT = _design("one-panel-dress", cutout="none"), _design("one-panel-jumpsuit")
+TOP_PANTS, TOP_SKIRT = _design("top-pants"), _design("top-skirt")
+SLEEVED_DRESS = _design("one-panel-dress", "set-in", cutout="none")
+SLEEVED_PANTS, SLEEVED_SKIRT = _design("top-pants", "set-in"), _design("top-skirt", "set-in")
 
 
-def _shirt(panels: int, darts: str) -> Made:
-    return _made(
+def _shirt(panels: int, darts: str) -> PartialDesign:
+    return _design(
         "shirt", None, panels_a_side=panels, front_darts=darts, back_darts=darts, cuffs="none"
     )
 
@@ -100,7 +100,7 @@ EDITS: Mapping[str, tuple[Edit, ...]] = {
 """By recipe."""
 
 
-def triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
+def sample_triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
     """Designs drawn at random, held out of every dataset by their seed.
 
     Designs that cannot be drafted as one of the kinds are left out; so numbers may have gaps.
@@ -108,16 +108,16 @@ def triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
     body = measurements(BODY)
     found, number = 0, 0
     while found < count:
-        one = dict(next(_drawn(edit.before, seed, number)))
-        two = dict(next(_drawn(edit.on, seed + 1, number)))
+        one = dict(next(_sample_parameters(edit.before, seed, number)))
+        two = dict(next(_sample_parameters(edit.on, seed + 1, number)))
         number += 1
         brought = {name: one[name] for name in edit.brought}
         try:
             made = [
-                drafted(one, edit.before, edit.before, body),
-                drafted(one, edit.before, edit.after, body),
-                drafted(two, edit.on, edit.on, body),
-                drafted(two | brought, edit.on, edit.truth, body),
+                draft_as(one, edit.before, edit.before, body),
+                draft_as(one, edit.before, edit.after, body),
+                draft_as(two, edit.on, edit.on, body),
+                draft_as(two | brought, edit.on, edit.truth, body),
             ]
         except (DraftError, PatternError):
             continue
@@ -125,7 +125,9 @@ def triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
         yield Triplet(edit, number - 1, *made)
 
 
-def drafted(design: Mapping[str, Any], of: Made, to: Made, body: BodyMeasurements) -> Pattern:
+def draft_as(
+    design: Mapping[str, Any], of: PartialDesign, to: PartialDesign, body: BodyMeasurements
+) -> Pattern:
     """A design of one kind as another: what both kinds have stays, as far as its range allows."""
     known = dict(design) | _below_waist(design, of.kind, to.kind, body)
     values: dict[str, Value] = {}
@@ -157,6 +159,6 @@ def _below_waist(
     return {"leg_length": inside / (body.crotch_height - body.ankle_height)}
 
 
-def _drawn(made: Made, seed: int, number: int) -> Iterator[Mapping[str, Any]]:
+def _sample_parameters(made: PartialDesign, seed: int, number: int) -> Iterator[Mapping[str, Any]]:
     for each in sample(made.kind, 1, seed, body=BODY, fixed=made.fixed, first=number):
         yield each.parameters

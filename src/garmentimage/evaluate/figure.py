@@ -6,23 +6,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import UInt8
 
-from garmentimage.dataset import patterns_of
+from garmentimage.dataset import parse_patterns
 from garmentimage.evaluate.codecs import Codec
 from garmentimage.evaluate.edit_triplets import Triplet
-from garmentimage.evaluate.predictors import Guesser, guessing
+from garmentimage.evaluate.predictors import Predictor, load_predictor
 from garmentimage.latent import edit
 from garmentimage.networks import Step, beside, shown, strip
 from garmentimage.pattern import Pattern
 
 if TYPE_CHECKING:
-    from garmentimage.evaluate.text import Editing
+    from garmentimage.evaluate.text import EditMethod
     from garmentimage.learn.data import Album
 
 FIGURE_PROMPTS = ("long", "short sleeves", "dress", "pants")
 """Each asked of the first garment that it asks a change of, a new one where there is one."""
 
 
-def way_picture(
+def interpolation_picture(
     codecs: Mapping[str, Codec], a: Pattern, b: Pattern, steps: int
 ) -> UInt8[np.ndarray, "row col 3"]:
     """The way from one garment to another through each space."""
@@ -50,32 +50,34 @@ def edit_picture(codecs: Mapping[str, Codec], triplet: Triplet) -> UInt8[np.ndar
     return np.concatenate(rows)
 
 
-def guesses_picture(
-    guessers: Sequence[Guesser],
+def predictions_picture(
+    guessers: Sequence[Predictor],
     data: str,
     held_out: str,
     album: "Album",
     numbers: Sequence[int],
 ) -> UInt8[np.ndarray, "row col 3"]:
     """For some garments the picture, the true pattern, and what each guesser makes of it."""
-    truths = patterns_of([album.patterns[number] for number in numbers], data)
+    truths = parse_patterns([album.patterns[number] for number in numbers], data)
     rows = []
     for number, truth in zip(numbers, truths):
         columns = [shown(f"truth: {album.types[number]}", _step(truth, ""))]
         for guesser in guessers:
-            guess = guessing(guesser, data, held_out)(album, number)
+            guess = load_predictor(guesser, data, held_out)(album, number)
             columns.append(shown(guesser.name, _step(guess.pattern, guess.fault)))
         upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
         rows.append(beside(np.ascontiguousarray(upright), strip(columns)))
     return np.concatenate(rows)
 
 
-def text_picture(editors: "Sequence[Editing]", split: str) -> UInt8[np.ndarray, "row col 3"]:
+def text_edits_picture(
+    editors: "Sequence[EditMethod]", split: str
+) -> UInt8[np.ndarray, "row col 3"]:
     """The paper's figure: four garments and four prompts, and what each editor makes of them."""
-    from garmentimage.evaluate.text import asked_of, chosen, edited
+    from garmentimage.evaluate.text import applicable_prompts, apply_edit, held_out_garments
 
-    known = chosen(editors[0].data, split)
-    asked = asked_of(known)
+    known = held_out_garments(editors[0].data, split)
+    asked = applicable_prompts(known)
     rows: list[np.ndarray] = []
     used: set[int] = set()
     for prompt in FIGURE_PROMPTS:
@@ -89,7 +91,7 @@ def text_picture(editors: "Sequence[Editing]", split: str) -> UInt8[np.ndarray, 
         for editor in editors:
             if editor.kind in ("raster", "vectors"):
                 columns.append(
-                    shown(f"{prompt}: {editor.kind}", _step(*edited(editor, start, prompt)))
+                    shown(f"{prompt}: {editor.kind}", _step(*apply_edit(editor, start, prompt)))
                 )
         rows.append(strip(columns))
     return np.concatenate(rows)

@@ -26,7 +26,7 @@ OUTLINE_STEP_CM = 2.0
 
 
 @dataclass(frozen=True)
-class Seen:
+class MeasuredGarment:
     """A garment, and what is measured of it."""
 
     pattern: Pattern | None
@@ -43,23 +43,25 @@ class Seen:
         return not self.fault
 
 
-def seen(pattern: Pattern | None, fault: str = "", *, worn: bool = True) -> Seen:
+def measure_garment(
+    pattern: Pattern | None, fault: str = "", *, worn: bool = True
+) -> MeasuredGarment:
     """A garment, checked and draped on the default body."""
     if pattern is None:
-        return Seen(None, fault or "no garment", "", None)
+        return MeasuredGarment(None, fault or "no garment", "", None)
     faults = structure_faults(pattern)
     topology = "" if faults else topology_word(stitch_graph(pattern))
     faults = faults or validity(pattern)
     if faults or not worn:
-        return Seen(pattern, faults[0] if faults else "", topology, None)
+        return MeasuredGarment(pattern, faults[0] if faults else "", topology, None)
     try:
         garment = drape_pattern(pattern)
     except GarmentImageError as error:
-        return Seen(pattern, f"drape: {error}", topology, None)
+        return MeasuredGarment(pattern, f"drape: {error}", topology, None)
     if garment.report.faults:
-        return Seen(pattern, f"drape: {garment.report.faults[0]}", topology, None)
+        return MeasuredGarment(pattern, f"drape: {garment.report.faults[0]}", topology, None)
     cloth = photograph(garment, size=SILHOUETTE).silhouette
-    return Seen(pattern, "", topology, cloth > 0.5)
+    return MeasuredGarment(pattern, "", topology, cloth > 0.5)
 
 
 def panel_overlap(truth: Pattern, found: Pattern | None) -> float:

@@ -18,8 +18,8 @@ import numpy as np
 from garmentimage.dataset import dataset_hash
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.amounts import ImageAmounts
-from garmentimage.evaluate.garment import seen
-from garmentimage.evaluate.predictors import GIVEN, Guesser, guessing
+from garmentimage.evaluate.garment import measure_garment
+from garmentimage.evaluate.predictors import TEACHER_STAGES, Predictor, load_predictor
 from garmentimage.evaluate.records import Records
 from garmentimage.evaluate.splits import SPLITS, check_splits, check_training
 from garmentimage.metrics import interval, likeness
@@ -32,18 +32,18 @@ if TYPE_CHECKING:
 
 SEED = 31
 TIME_LIMIT_S = 300.0
-OPENED = "opened.jsonl"
+ACCESS_LOG = "opened.jsonl"
 """When the test splits were looked at, and by what."""
-CALLED = {"test": "seen", "unseen": "unseen"}
+SPLIT_NAMES = {"test": "seen", "unseen": "unseen"}
 BY_TYPE = "panel_iou", "topology"
 """Figures that are also told of the garments of each type."""
 
 
 @dataclass(frozen=True)
-class Item:
+class ImageItem:
     """One garment for one guesser."""
 
-    guesser: Guesser
+    guesser: Predictor
     data: str
     held_out: str
     """The type that the networks were not trained on, where that is not told by the splits."""
@@ -57,30 +57,33 @@ class Item:
     def name(self) -> str:
         """Of the records that it is one of."""
         start = "validation-" if self.validation else ""
-        return f"{start}{CALLED[self.split]}-{self.guesser.key}"
+        return f"{start}{SPLIT_NAMES[self.split]}-{self.guesser.key}"
 
 
-def with_parts(guessers: Sequence[Guesser]) -> list[Guesser]:
+def with_baselines(guessers: Sequence[Predictor]) -> list[Predictor]:
     """Those of all figures: the guessers, the anchors, and what tells what its parts are worth.
 
     Parts are those of the first cascade.
     """
-    anchors = [Guesser("nearest picture", "nearest"), Guesser("another of its type", "random")]
+    anchors = [Predictor("nearest picture", "nearest"), Predictor("another of its type", "random")]
     found = [*guessers, *anchors]
     first = next((each for each in guessers if each.kind == "cascade"), None)
     if first is not None:
         found += [
-            Guesser(first.name, "cascade", first.folder, level)
+            Predictor(first.name, "cascade", first.folder, level)
             for level in LEVELS
             if level != first.level
         ]
         if (Path(first.folder) / "model.safetensors").is_file():
-            found += [Guesser(f"true {_upto(kind)}", kind, first.folder) for kind in GIVEN]
+            found += [
+                Predictor(f"true {_stage_name(kind)}", kind, first.folder)
+                for kind in TEACHER_STAGES
+            ]
     return found
 
 
 def evaluate_images(
-    guessers: Sequence[Guesser],
+    guessers: Sequence[Predictor],
     data: Path,
     folder: Path,
     amounts: ImageAmounts = ImageAmounts(),  # noqa: B008 - frozen
@@ -93,7 +96,7 @@ def evaluate_images(
     """Measure guessers on the same garments, and sum up.
 
     Args:
-        guessers: see `with_parts`.
+        guessers: see `with_baselines`.
         data: a dataset of pictures.
         folder: where records go; gone on with.
         amounts: how many garments.
@@ -117,32 +120,34 @@ def evaluate_images(
     for guesser in guessers:
         if guesser.folder:
             check_training(guesser, told["data_sha256"], held_out)
-            guessing(guesser, str(data), held_out)
-    kept = Records(folder, asdict(amounts), {each.key: told | _hash(each) for each in guessers})
+            load_predictor(guesser, str(data), held_out)
+    kept = Records(
+        folder, asdict(amounts), {each.key: told | _weights_hash(each) for each in guessers}
+    )
     items = _items(guessers, str(data), held_out, amounts, validation)
     records = kept.gather(
         items,
-        measured,
+        score_image_item,
         workers=workers,
         time_limit=TIME_LIMIT_S,
         progress=progress,
         is_whole=lambda item, record: not item.worn or record["draped"] is not None,
-        begin=lambda missing: None if validation else _log(folder, missing),
+        begin=lambda missing: None if validation else _log_access(folder, missing),
     )
     return {
         "splits": proven,
-        "opened": [json.loads(line) for line in _lines(folder / OPENED)],
-        "figures": summary(items, records),
+        "opened": [json.loads(line) for line in _lines(folder / ACCESS_LOG)],
+        "figures": summarise_images(items, records),
     }
 
 
-def measured(item: Item) -> dict[str, Any]:
+def score_image_item(item: ImageItem) -> dict[str, Any]:
     """The record of an item."""
-    album, patterns = garments(item.data, item.split, item.held_out, item.validation)
-    guess = guessing(item.guesser, item.data, item.held_out)(album, item.number)
+    album, patterns = load_garments(item.data, item.split, item.held_out, item.validation)
+    guess = load_predictor(item.guesser, item.data, item.held_out)(album, item.number)
     truth = patterns[item.number]
     found = likeness(truth, guess.pattern)
-    worn = seen(guess.pattern, guess.fault).valid if item.worn else None
+    worn = measure_garment(guess.pattern, guess.fault).valid if item.worn else None
     return {
         "type": album.types[item.number],
         **found.figures(),
@@ -154,8 +159,8 @@ def measured(item: Item) -> dict[str, Any]:
     }
 
 
-def summary(
-    items: Sequence[Item], records: Mapping[Item, Mapping[str, Any]]
+def summarise_images(
+    items: Sequence[ImageItem], records: Mapping[ImageItem, Mapping[str, Any]]
 ) -> dict[str, dict[str, Any]]:
     """Figures by guesser and split; of networks of one name the mean over their seeds."""
     groups: defaultdict[tuple[str, str], dict[int, list[Mapping[str, Any]]]] = defaultdict(dict)
@@ -166,7 +171,7 @@ def summary(
     for item in items:
         record, guesser = records[item], item.guesser
         name = guesser.name if guesser.level == "full" else f"{guesser.name}, {guesser.level}"
-        group = name, CALLED[item.split]
+        group = name, SPLIT_NAMES[item.split]
         if "lost" in record:
             lost[group] += 1
             continue
@@ -211,33 +216,33 @@ def _figures(garments: Sequence[Sequence[Mapping[str, Any]]]) -> dict[str, Any]:
     for record in every:
         repairs.update({rule: 1 for rule in record["repairs"]})
     told["repaired"] = {rule: round(n / len(every), 4) for rule, n in repairs.most_common()}
-    faults = Counter(_short(record["fault"]) for record in every if record["fault"])
+    faults = Counter(_fault_class(record["fault"]) for record in every if record["fault"])
     told["faults"] = dict(faults.most_common())
     return told
 
 
 def _items(
-    guessers: Sequence[Guesser], data: str, held_out: str, amounts: ImageAmounts, validation: bool
-) -> list[Item]:
+    guessers: Sequence[Predictor], data: str, held_out: str, amounts: ImageAmounts, validation: bool
+) -> list[ImageItem]:
     items = []
     for split in SPLITS:
         if not amounts.of(split) or (
             split == "unseen" and not has_unseen(data, held_out, validation)
         ):
             continue
-        album, _ = garments(data, split, held_out, validation)
+        album, _ = load_garments(data, split, held_out, validation)
         if len(album.ids) < amounts.of(split):
             raise LearnError(
-                f"{shown_path(data)}: has {len(album.ids)} {CALLED[split]} garments for "
+                f"{shown_path(data)}: has {len(album.ids)} {SPLIT_NAMES[split]} garments for "
                 f"{'validation' if validation else 'test'}; this takes {amounts.of(split)} "
-                f"(--{CALLED[split]})"
+                f"(--{SPLIT_NAMES[split]})"
             )
-        order = order_of(album)
+        order = measuring_order(album)
         for guesser in guessers:
-            is_part = guesser.level != "full" or guesser.kind in GIVEN
+            is_part = guesser.level != "full" or guesser.kind in TEACHER_STAGES
             count = min(amounts.parts, amounts.of(split)) if is_part else amounts.of(split)
             items += [
-                Item(
+                ImageItem(
                     guesser,
                     data,
                     held_out,
@@ -260,18 +265,18 @@ def has_unseen(data: str, held_out: str, validation: bool = False) -> bool:
     return has_split(data, "unseen")
 
 
-def order_of(album: "Album") -> list[int]:
+def measuring_order(album: "Album") -> list[int]:
     """The order in which its garments are measured."""
     order: list[int] = np.random.default_rng(SEED).permutation(len(album.ids)).tolist()
     return order
 
 
 @cache
-def garments(
+def load_garments(
     data: str, split: str, held_out: str, validation: bool = False
 ) -> "tuple[Album, list[Pattern]]":
     """Garments to measure on, with their patterns: of seen types or unseen ones."""
-    from garmentimage.dataset import patterns_of
+    from garmentimage.dataset import parse_patterns
     from garmentimage.learn.data import read_album
 
     place = "validation" if validation else "test"
@@ -280,29 +285,29 @@ def garments(
         album = read_album(data, place, without=sorted(without))
     else:
         album = read_album(data, place if split == "test" else split)
-    return album, patterns_of(album.patterns, data)
+    return album, parse_patterns(album.patterns, data)
 
 
 @cache
 def _types(data: str) -> set[str]:
-    from garmentimage.dataset import facts, shard_files
+    from garmentimage.dataset import shard_files, shard_metadata
 
-    return set(facts(shard_files(data, "test")[0]).types)
+    return set(shard_metadata(shard_files(data, "test")[0]).types)
 
 
-def _hash(guesser: Guesser) -> dict[str, str]:
+def _weights_hash(guesser: Predictor) -> dict[str, str]:
     return {"weights_sha256": weights_hash(Path(guesser.folder)) if guesser.folder else ""}
 
 
-def _log(folder: Path, missing: Sequence[Item]) -> None:
+def _log_access(folder: Path, missing: Sequence[ImageItem]) -> None:
     """Note that the test splits are opened now."""
     line = {
         "when": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": source_commit(),
         "for": sorted({item.guesser.key for item in missing}),
-        "garments": dict(Counter(CALLED[item.split] for item in missing)),
+        "garments": dict(Counter(SPLIT_NAMES[item.split] for item in missing)),
     }
-    with (folder / OPENED).open("a", encoding="utf-8") as opened:
+    with (folder / ACCESS_LOG).open("a", encoding="utf-8") as opened:
         opened.write(json.dumps(line) + "\n")
 
 
@@ -310,11 +315,11 @@ def _lines(file: Path) -> list[str]:
     return file.read_text(encoding="utf-8").splitlines() if file.exists() else []
 
 
-def _upto(kind: str) -> str:
+def _stage_name(kind: str) -> str:
     return {"flags": "flags", "types": "flags and edge types", "vectors": "image"}[kind]
 
 
-def _short(fault: str) -> str:
+def _fault_class(fault: str) -> str:
     """A fault without names and numbers, for counting."""
     words = fault.split("(")[0].split(";")[0].split()
     kept = [word for word in words if not any(c.isdigit() for c in word) and "'" not in word]

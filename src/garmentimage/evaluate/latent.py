@@ -16,17 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.dataset import dataset_hash, summary_of
+from garmentimage.dataset import dataset_hash, read_summary
 from garmentimage.errors import GarmentImageError, LearnError
 from garmentimage.evaluate.amounts import LatentAmounts
 from garmentimage.evaluate.codecs import Codec, PlainCodec, RasterCodec, VectorCodec
-from garmentimage.evaluate.edit_triplets import EDITS, Triplet, triplets
+from garmentimage.evaluate.edit_triplets import EDITS, Triplet, sample_triplets
 from garmentimage.evaluate.garment import (
-    Seen,
+    MeasuredGarment,
+    measure_garment,
     outline_distance,
     panel_overlap,
     same_graph,
-    seen,
     silhouette_distance,
 )
 from garmentimage.evaluate.records import Records
@@ -37,14 +37,14 @@ from garmentimage.pattern import Pattern
 from garmentimage.raster.repair import RepairLevel
 from garmentimage.system import shown_path, weights_hash
 
-STEPS = 9
+INTERPOLATION_STEPS = 9
 SEED = 20
 TIME_LIMIT_S = 300.0
 STAGES = ("reconstruction", "interpolation", "edits")
 
 
 @dataclass(frozen=True)
-class Judged:
+class Candidate:
     """A network, at a level of repair."""
 
     name: str
@@ -57,11 +57,11 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Item:
+class LatentItem:
     """One thing to measure."""
 
     stage: str
-    judged: Judged
+    judged: Candidate
     amounts: LatentAmounts
     recipe: str
     number: int
@@ -73,7 +73,7 @@ class Item:
 
 
 def evaluate_latent(
-    networks: Sequence[Judged],
+    networks: Sequence[Candidate],
     recipe: str,
     folder: Path,
     amounts: LatentAmounts = LatentAmounts(),  # noqa: B008 - frozen
@@ -99,24 +99,24 @@ def evaluate_latent(
             holds records of others.
     """
     _check(networks, recipe, amounts)
-    kept = Records(folder, asdict(amounts), {each.name: _told(each) for each in networks})
+    kept = Records(folder, asdict(amounts), {each.name: _fingerprint(each) for each in networks})
     counts = {
         "reconstruction": amounts.garments,
         "interpolation": amounts.pairs,
         "edits": amounts.triplets * len(EDITS[recipe]),
     }
     items = [
-        Item(stage, judged, amounts, recipe, number)
+        LatentItem(stage, judged, amounts, recipe, number)
         for stage in STAGES
         for judged in networks
         for number in range(counts[stage])
     ]
     records = kept.gather(
-        items, measured, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
+        items, score_latent_item, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
     )
     return {
         judged.name: {
-            stage: summary(
+            stage: summarise_latent(
                 stage, [records[i] for i in items if (i.stage, i.judged) == (stage, judged)]
             )
             for stage in STAGES
@@ -125,11 +125,11 @@ def evaluate_latent(
     }
 
 
-def _check(networks: Sequence[Judged], recipe: str, amounts: LatentAmounts) -> None:
+def _check(networks: Sequence[Candidate], recipe: str, amounts: LatentAmounts) -> None:
     """Try every network on a garment, and whether there are pairs to draw."""
-    example = triplets_of(recipe, 1)[0].a
+    example = draw_triplets(recipe, 1)[0].a
     for judged in networks:
-        codec = codec_of(judged)
+        codec = load_codec(judged)
         try:
             codec.step(codec.latents([example])[0])
         except GarmentImageError as error:
@@ -144,7 +144,7 @@ def _check(networks: Sequence[Judged], recipe: str, amounts: LatentAmounts) -> N
             )
 
 
-def _told(judged: Judged) -> dict[str, str]:
+def _fingerprint(judged: Candidate) -> dict[str, str]:
     """What tells a network's records from those of others."""
     return {
         "weights_sha256": weights_hash(Path(judged.folder)) if judged.folder else "",
@@ -152,19 +152,19 @@ def _told(judged: Judged) -> dict[str, str]:
     }
 
 
-def measured(item: Item) -> dict[str, Any]:
+def score_latent_item(item: LatentItem) -> dict[str, Any]:
     """The record of an item."""
-    codec = codec_of(item.judged)
+    codec = load_codec(item.judged)
     if item.stage == "reconstruction":
-        return _reconstruction(codec, _held_out(item)[item.number])
+        return _reconstruction_record(codec, _held_out(item)[item.number])
     if item.stage == "interpolation":
-        a, b, kind = pairs_of(item.judged.data, item.amounts.pairs)[item.number]
-        return {"kind": kind, **_interpolation(codec, a, b)}
-    return _edit(codec, triplets_of(item.recipe, item.amounts.triplets)[item.number])
+        a, b, kind = draw_pairs(item.judged.data, item.amounts.pairs)[item.number]
+        return {"kind": kind, **_interpolation_record(codec, a, b)}
+    return _edit_record(codec, draw_triplets(item.recipe, item.amounts.triplets)[item.number])
 
 
-def _reconstruction(codec: Codec, pattern: Pattern) -> dict[str, Any]:
-    found = _decoded(codec, codec.latents([pattern])[0])
+def _reconstruction_record(codec: Codec, pattern: Pattern) -> dict[str, Any]:
+    found = _measure_latent(codec, codec.latents([pattern])[0])
     return {
         "overlap": panel_overlap(pattern, found.pattern),
         "graph": same_graph(pattern, found.pattern),
@@ -173,9 +173,12 @@ def _reconstruction(codec: Codec, pattern: Pattern) -> dict[str, Any]:
     }
 
 
-def _interpolation(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
+def _interpolation_record(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
     start, end = codec.latents([a, b])
-    way = [_decoded(codec, start + share * (end - start)) for share in np.linspace(0, 1, STEPS)]
+    way = [
+        _measure_latent(codec, start + share * (end - start))
+        for share in np.linspace(0, 1, INTERPOLATION_STEPS)
+    ]
     patterns = [one.pattern for one in way if one.pattern is not None]
     worn = [one.silhouette for one in way if one.silhouette is not None]
     topologies = [one.topology for one in way]
@@ -188,20 +191,20 @@ def _interpolation(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
     }
 
 
-def _edit(codec: Codec, triplet: Triplet) -> dict[str, Any]:
+def _edit_record(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
     pushed, plain = edit(codec, a, b, c), edit(codec, a, b, c, settle=0, strengths=(1.0,))
-    told = {"settled and pushed": _edited(_seen(pushed.step), triplet)}
+    told = {"settled and pushed": _score_edit(_measure_step(pushed.step), triplet)}
     if pushed.strength == 1:
         told["settled"] = told["settled and pushed"]
     else:
         settled = edit(codec, a, b, c, strengths=(1.0,))
-        told["settled"] = _edited(_seen(settled.step), triplet)
-    told["as in the paper"] = _edited(_seen(plain.step), triplet)
+        told["settled"] = _score_edit(_measure_step(settled.step), triplet)
+    told["as in the paper"] = _score_edit(_measure_step(plain.step), triplet)
     return {"edit": triplet.edit.name, **told}
 
 
-def _edited(found: Seen, triplet: Triplet) -> dict[str, Any]:
+def _score_edit(found: MeasuredGarment, triplet: Triplet) -> dict[str, Any]:
     same = found.topology == _topology(triplet.truth)
     return {
         "intended": same,
@@ -212,7 +215,7 @@ def _edited(found: Seen, triplet: Triplet) -> dict[str, Any]:
     }
 
 
-def _outcome(found: Seen, triplet: Triplet) -> str:
+def _outcome(found: MeasuredGarment, triplet: Triplet) -> str:
     """Whose topology the garment has after an edit."""
     if not found.topology:
         return "no garment"
@@ -222,15 +225,15 @@ def _outcome(found: Seen, triplet: Triplet) -> str:
 
 
 def _topology(pattern: Pattern) -> str:
-    return seen(pattern, worn=False).topology
+    return measure_garment(pattern, worn=False).topology
 
 
-def _decoded(codec: Codec, z: np.ndarray) -> Seen:
-    return _seen(codec.step(z))
+def _measure_latent(codec: Codec, z: np.ndarray) -> MeasuredGarment:
+    return _measure_step(codec.step(z))
 
 
-def _seen(step: Step) -> Seen:
-    return seen(step.pattern, step.faults[0] if step.faults else "")
+def _measure_step(step: Step) -> MeasuredGarment:
+    return measure_garment(step.pattern, step.faults[0] if step.faults else "")
 
 
 def _jump(steps: Sequence[float]) -> float | None:
@@ -239,10 +242,10 @@ def _jump(steps: Sequence[float]) -> float | None:
 
 
 @cache
-def codec_of(judged: Judged) -> Codec:
+def load_codec(judged: Candidate) -> Codec:
     """A network, loaded once in each process."""
     if not judged.folder:
-        return PlainCodec(int(summary_of(Path(judged.data))["grid"]))
+        return PlainCodec(int(read_summary(Path(judged.data))["grid"]))
     if judged.level is None:
         return VectorCodec(Path(judged.folder))
     return RasterCodec(LatentSpace.load(judged.folder), judged.level)
@@ -250,24 +253,24 @@ def codec_of(judged: Judged) -> Codec:
 
 @cache
 def _test_split(data: str) -> tuple[list[Pattern], list[str]]:
-    from garmentimage.dataset import tables
+    from garmentimage.dataset import read_tables
     from garmentimage.pattern.files import pattern_from_spec
 
     patterns, types = [], []
-    for table in tables(data, "test", ["type", "pattern"]):
+    for table in read_tables(data, "test", ["type", "pattern"]):
         types += table["type"].to_pylist()
         patterns += [pattern_from_spec(json.loads(text)) for text in table["pattern"].to_pylist()]
     return patterns, types
 
 
-def _held_out(item: Item) -> list[Pattern]:
+def _held_out(item: LatentItem) -> list[Pattern]:
     patterns, _ = _test_split(item.judged.data)
     order = np.random.default_rng(SEED).permutation(len(patterns))
     return [patterns[k] for k in order[: item.amounts.garments]]
 
 
 @cache
-def pairs_of(data: str, count: int) -> list[tuple[Pattern, Pattern, str]]:
+def draw_pairs(data: str, count: int) -> list[tuple[Pattern, Pattern, str]]:
     """Pairs of the test split, in turn within a type and across types."""
     patterns, types = _test_split(data)
     random = np.random.default_rng(SEED + 1)
@@ -281,15 +284,15 @@ def pairs_of(data: str, count: int) -> list[tuple[Pattern, Pattern, str]]:
 
 
 @cache
-def triplets_of(recipe: str, count: int) -> list[Triplet]:
+def draw_triplets(recipe: str, count: int) -> list[Triplet]:
     """The triplets of all edits of a recipe, edit by edit."""
-    return [each for edit in EDITS[recipe] for each in triplets(edit, count)]
+    return [each for edit in EDITS[recipe] for each in sample_triplets(edit, count)]
 
 
 # --- Figures ----------------------------------------------------------------------------------
 
 
-def summary(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def summarise_latent(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Figures of a stage, each with its interval of 95 %."""
     found = [record for record in records if "lost" not in record]
     told: dict[str, Any] = {"measured": len(found), "lost": len(records) - len(found)}
@@ -336,6 +339,6 @@ def _values(
         yield name, [row[name] for row in rows]
 
 
-def facts(networks: Sequence[Judged], amounts: LatentAmounts) -> dict[str, Any]:
+def describe_run(networks: Sequence[Candidate], amounts: LatentAmounts) -> dict[str, Any]:
     """What a result was measured on."""
     return {"networks": [asdict(each) for each in networks], "amounts": asdict(amounts)}

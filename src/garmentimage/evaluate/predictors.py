@@ -21,21 +21,21 @@ from garmentimage.system import shown_path
 if TYPE_CHECKING:
     from garmentimage.learn.data import Album
 
-Kind = Literal["cascade", "slots", "nearest", "random", "flags", "types", "vectors"]
-GIVEN: tuple[Kind, ...] = ("flags", "types", "vectors")
+PredictorKind = Literal["cascade", "slots", "nearest", "random", "flags", "types", "vectors"]
+TEACHER_STAGES: tuple[PredictorKind, ...] = ("flags", "types", "vectors")
 """Cascades that are given the truth, up to flags, edge types, or all: what each network loses."""
 SEED = 30
-THUMB = 32
+THUMBNAIL = 32
 """Pixels a side at which pictures are compared."""
 
 
 @dataclass(frozen=True)
-class Guesser:
+class Predictor:
     """Who guesses."""
 
     name: str
     """Networks of one name differ in their seed only, and count as one."""
-    kind: Kind
+    kind: PredictorKind
     folder: str = ""
     """Of the network, if it is one."""
     level: RepairLevel = "full"
@@ -51,7 +51,7 @@ class Guesser:
 
 
 @dataclass(frozen=True)
-class Guess:
+class PredictedPattern:
     """A guessed pattern."""
 
     pattern: Pattern | None
@@ -62,15 +62,15 @@ class Guess:
     confidence: float | None = None
 
 
-class Guessing(Protocol):
+class PredictFunction(Protocol):
     """Guesses patterns of the garments of an album."""
 
-    def __call__(self, album: "Album", number: int) -> Guess:
+    def __call__(self, album: "Album", number: int) -> PredictedPattern:
         """The pattern of one of its pictures."""
 
 
 @cache
-def guessing(guesser: Guesser, data: str, held_out: str = "") -> Guessing:
+def load_predictor(guesser: Predictor, data: str, held_out: str = "") -> PredictFunction:
     """A guesser at work, made once in each process.
 
     Args:
@@ -90,10 +90,10 @@ def guessing(guesser: Guesser, data: str, held_out: str = "") -> Guessing:
         return _Nearest(data, held_out)
     if guesser.kind == "random":
         return _random
-    return _Given(folder, guesser.kind, guesser.level)
+    return _TeacherForced(folder, guesser.kind, guesser.level)
 
 
-def kind_of_network(folder: Path) -> Kind:
+def predictor_kind(folder: Path) -> PredictorKind:
     """What a folder holds.
 
     Raises:
@@ -119,16 +119,16 @@ class _Cascade:
     network: PatternPredictor
     level: RepairLevel
 
-    def __call__(self, album: "Album", number: int) -> Guess:
+    def __call__(self, album: "Album", number: int) -> PredictedPattern:
         upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
         channels = self.network.channels(upright[None])[0]
         return _from_channels(channels, self.level)
 
 
-class _Given:
+class _TeacherForced:
     """The same, but told the truth of some of it."""
 
-    def __init__(self, folder: Path, given: Kind, level: RepairLevel) -> None:
+    def __init__(self, folder: Path, given: PredictorKind, level: RepairLevel) -> None:
         import torch
 
         from garmentimage.learn import load_weights
@@ -137,12 +137,14 @@ class _Given:
         torch.set_num_threads(1)
         self.model, self.given, self.level = load_weights(Cascade, folder), given, level
 
-    def __call__(self, album: "Album", number: int) -> Guess:
+    def __call__(self, album: "Album", number: int) -> PredictedPattern:
         import torch
 
         garment = album.garments.batch(torch.tensor([number]))
         with torch.no_grad():
-            channels = self.model.predict(garment.seen(), garment.rasters, GIVEN.index(self.given))
+            channels = self.model.predict(
+                garment.seen(), garment.rasters, TEACHER_STAGES.index(self.given)
+            )
         return _from_channels(channels[0].numpy(), self.level)
 
 
@@ -158,7 +160,7 @@ class _Slots:
         torch.set_num_threads(1)
         self.model: Any = load_weights(SLOT_NETWORKS[_slot_network(folder)].network, folder)
 
-    def __call__(self, album: "Album", number: int) -> Guess:
+    def __call__(self, album: "Album", number: int) -> PredictedPattern:
         import torch
 
         from garmentimage.learn.data import pattern_from
@@ -169,8 +171,8 @@ class _Slots:
         try:
             pattern = pattern_from(found, 0, self.model.config.words)
         except DecodeError as error:
-            return Guess(None, str(error), {})
-        return _checked(pattern)
+            return PredictedPattern(None, str(error), {})
+        return _validated(pattern)
 
 
 def _slot_network(folder: Path) -> str:
@@ -184,16 +186,18 @@ def _slot_network(folder: Path) -> str:
         return ""
 
 
-def _from_channels(channels: Float32[np.ndarray, "34 row col"], level: RepairLevel) -> Guess:
+def _from_channels(
+    channels: Float32[np.ndarray, "34 row col"], level: RepairLevel
+) -> PredictedPattern:
     step = step_of(np.zeros(0, np.float32), channels, level)
     repairs = dict(step.repairs.counts) if step.repairs else {}
     fault = step.faults[0] if step.faults else ""
-    return Guess(step.pattern, fault, repairs, certainty(channels))
+    return PredictedPattern(step.pattern, fault, repairs, certainty(channels))
 
 
-def _checked(pattern: Pattern) -> Guess:
+def _validated(pattern: Pattern) -> PredictedPattern:
     faults = validity(pattern)
-    return Guess(pattern, faults[0] if faults else "", {})
+    return PredictedPattern(pattern, faults[0] if faults else "", {})
 
 
 # --- Anchors -------------------------------------------------------------------------------------
@@ -203,50 +207,50 @@ class _Nearest:
     """The garment of that picture of the training split which is nearest to it."""
 
     def __init__(self, data: str, held_out: str) -> None:
-        from garmentimage.dataset import tables
+        from garmentimage.dataset import read_tables
         from garmentimage.learn.data import PICTURE, pixels
 
         self.data = data
         self.patterns: list[str] = []
         thumbs = []
-        for table in tables(data, "train", ["type", "pattern", PICTURE]):
+        for table in read_tables(data, "train", ["type", "pattern", PICTURE]):
             types, patterns, pictures = (
                 table[name].to_pylist() for name in ("type", "pattern", PICTURE)
             )
             for name, pattern, picture in zip(types, patterns, pictures):
                 if name != held_out:
                     self.patterns.append(pattern)
-                    thumbs.append(thumb(pixels(picture["bytes"])))
+                    thumbs.append(thumbnail(pixels(picture["bytes"])))
         self.thumbs = np.stack(thumbs)
 
-    def __call__(self, album: "Album", number: int) -> Guess:
-        from garmentimage.dataset import patterns_of
+    def __call__(self, album: "Album", number: int) -> PredictedPattern:
+        from garmentimage.dataset import parse_patterns
 
-        apart = np.abs(self.thumbs - thumb(album.garments.pictures[number].numpy())).sum(1)
-        (pattern,) = patterns_of([self.patterns[int(apart.argmin())]], self.data)
-        return _checked(pattern)
+        apart = np.abs(self.thumbs - thumbnail(album.garments.pictures[number].numpy())).sum(1)
+        (pattern,) = parse_patterns([self.patterns[int(apart.argmin())]], self.data)
+        return _validated(pattern)
 
 
-def thumb(picture: UInt8[np.ndarray, "3 row col"]) -> Float32[np.ndarray, " number"]:
+def thumbnail(picture: UInt8[np.ndarray, "3 row col"]) -> Float32[np.ndarray, " number"]:
     """A picture as few numbers."""
-    size = picture.shape[1] // THUMB
-    blocks = picture.reshape(3, THUMB, size, THUMB, size).astype(np.float32)
+    size = picture.shape[1] // THUMBNAIL
+    blocks = picture.reshape(3, THUMBNAIL, size, THUMBNAIL, size).astype(np.float32)
     return blocks.mean((2, 4)).ravel()
 
 
-def _random(album: "Album", number: int) -> Guess:
+def _random(album: "Album", number: int) -> PredictedPattern:
     """Any other garment of the same type: what knowing the type alone is worth."""
-    from garmentimage.dataset import patterns_of
+    from garmentimage.dataset import parse_patterns
 
     others = [k for k, t in enumerate(album.types) if t == album.types[number] and k != number]
     if not others:
-        return Guess(None, "there is no other garment of its type", {})
+        return PredictedPattern(None, "there is no other garment of its type", {})
     chosen = others[int(np.random.default_rng([SEED, number]).integers(len(others)))]
-    (pattern,) = patterns_of([album.patterns[chosen]], "the dataset")
-    return _checked(pattern)
+    (pattern,) = parse_patterns([album.patterns[chosen]], "the dataset")
+    return _validated(pattern)
 
 
-def named(names: Sequence[str]) -> list[Guesser]:
+def predictors_from_names(names: Sequence[str]) -> list[Predictor]:
     """Guessers from `NAME=FOLDER`, or folders alone; cascades first.
 
     Raises:
@@ -259,5 +263,5 @@ def named(names: Sequence[str]) -> list[Guesser]:
         if (place / "model").is_dir():
             place = place / "model"
         label = name or (place.parent.name if place.name == "model" else place.name)
-        found.append(Guesser(label, kind_of_network(place), str(place)))
+        found.append(Predictor(label, predictor_kind(place), str(place)))
     return sorted(found, key=lambda guesser: guesser.kind != "cascade")

@@ -68,7 +68,7 @@ PROMPTS = (
         "flared", "geometry", "below the waist", lambda a, b: b.width >= a.width * MIN_WIDTH_RATIO
     ),
 )
-EXTREME: dict[str, Callable[[ShapeAttributes], bool]] = {
+ALREADY_TRUE: dict[str, Callable[[ShapeAttributes], bool]] = {
     "long": lambda t: t.length > LONG_CM[t.legs],
     "short": lambda t: t.length < SHORT_CM[t.legs],
     "wide": lambda t: t.width > WIDE_CM[t.legs],
@@ -78,8 +78,8 @@ EXTREME: dict[str, Callable[[ShapeAttributes], bool]] = {
 """Garments that are so already, of which it is not asked."""
 
 
-def is_asked(prompt: Prompt, start: ShapeAttributes) -> bool:
+def is_applicable(prompt: Prompt, start: ShapeAttributes) -> bool:
     """Whether a prompt asks a garment for a change."""
     if prompt.group == "geometry":
-        return not EXTREME[prompt.text](start)
+        return not ALREADY_TRUE[prompt.text](start)
     return not prompt.holds(start, start)

@@ -14,7 +14,7 @@ from garmentimage.system import Lost, map_in_processes, shown_path, write_atomic
 RUN_FILE = "run.json"
 
 
-class Recorded(Protocol):
+class RecordedItem(Protocol):
     """One thing to measure; it can be a key of a dictionary."""
 
     @property
@@ -26,7 +26,7 @@ class Recorded(Protocol):
         """Of its record among them."""
 
 
-Item = TypeVar("Item", bound=Recorded)
+Item = TypeVar("Item", bound=RecordedItem)
 
 
 class Records:

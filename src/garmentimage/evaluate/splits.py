@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from garmentimage.errors import DatasetError, LearnError, quoted
-from garmentimage.evaluate.predictors import Guesser
+from garmentimage.evaluate.predictors import Predictor
 from garmentimage.evaluate.records import RUN_FILE
 from garmentimage.system import shown_path
 
@@ -27,18 +27,18 @@ def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
     Raises:
         DatasetError: says what is in both.
     """
-    from garmentimage.dataset import load_recipe, summary_of
+    from garmentimage.dataset import load_recipe, read_summary
 
-    bodies = ("body",) if load_recipe(summary_of(data)["recipe"]).test_bodies else ()
+    bodies = ("body",) if load_recipe(read_summary(data)["recipe"]).test_bodies else ()
     told = ("id", "pattern", "type", *bodies)
     learnt: dict[str, set[str]] = {name: set() for name in told}
     for split in ("train", "validation"):
-        for name, values in _told(data, split, told, held_out).items():
+        for name, values in _column_values(data, split, told, held_out).items():
             learnt[name] |= values
     shared: dict[str, int] = {}
     unseen_types = {held_out} if held_out else set()
     for split in SPLITS:
-        for name, values in _told(data, split, told).items():
+        for name, values in _column_values(data, split, told).items():
             if name == "type" and split == "unseen" and not held_out:
                 unseen_types |= values
             if name == "type" and split == "test":
@@ -58,23 +58,25 @@ def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
     }
 
 
-def _told(data: Path, split: str, columns: Sequence[str], without: str = "") -> dict[str, set[str]]:
+def _column_values(
+    data: Path, split: str, columns: Sequence[str], without: str = ""
+) -> dict[str, set[str]]:
     """All values of some columns in a split; none where there is no such split."""
-    from garmentimage.dataset import has_split, tables
+    from garmentimage.dataset import has_split, read_tables
 
     found: dict[str, set[str]] = {name: set() for name in columns}
     if not has_split(data, split):
         return found
-    for table in tables(data, split, list(columns)):
+    for table in read_tables(data, split, list(columns)):
         kept = [name != without for name in table["type"].to_pylist()]
         for name, values in found.items():
             values.update(v for v, is_kept in zip(table[name].to_pylist(), kept) if is_kept)
     return found
 
 
-def check_training(guesser: Guesser, data_sha256: str, held_out: str) -> None:
+def check_training(guesser: Predictor, data_sha256: str, held_out: str) -> None:
     """Refuse a network that was trained on other data: the garments measured on may be in those."""
-    run = run_of(guesser)
+    run = read_run(guesser)
     if not run:
         return  # not from a run of this machine; its card tells what it was trained on
     trained, without = run.get("data_sha256"), run.get("without", [])
@@ -89,7 +91,7 @@ def check_training(guesser: Guesser, data_sha256: str, held_out: str) -> None:
         )
 
 
-def run_of(guesser: Guesser) -> dict[str, Any]:
+def read_run(guesser: Predictor) -> dict[str, Any]:
     """What is known of the run that a network came from; nothing where it was copied away."""
     file = Path(guesser.folder).parent / RUN_FILE
     if not file.is_file():
@@ -101,9 +103,9 @@ def run_of(guesser: Guesser) -> dict[str, Any]:
         raise LearnError(f"{shown_path(file)}: is damaged") from None
 
 
-def groups(
-    guessers: Sequence[Guesser], data: Path, *, validation: bool = False
-) -> dict[str, list[Guesser]]:
+def group_by_held_out(
+    guessers: Sequence[Predictor], data: Path, *, validation: bool = False
+) -> dict[str, list[Predictor]]:
     """Guessers by the type that their networks were trained without; "" where splits tell it.
 
     For validation they never tell it. A network trained on all types is measured on seen ones.
@@ -114,11 +116,11 @@ def groups(
     from garmentimage.dataset import has_split
 
     is_told = has_split(data, "unseen")
-    if is_told and not (validation and any(run_of(each).get("without") for each in guessers)):
+    if is_told and not (validation and any(read_run(each).get("without") for each in guessers)):
         return {"": list(guessers)}
-    found: dict[str, list[Guesser]] = {}
+    found: dict[str, list[Predictor]] = {}
     for guesser in guessers:
-        without = run_of(guesser).get("without", [])
+        without = read_run(guesser).get("without", [])
         if len(without) > 1:
             raise LearnError(
                 f"{shown_path(guesser.folder)}: was trained without {len(without)} types; this "

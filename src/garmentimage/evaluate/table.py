@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 
-def markdown(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
+def latent_table(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
     """One row for each figure, one column for each network; intervals of 95 % in brackets."""
     names = list(figures)
     lines = [f"| | {' | '.join(names)} |", "|---" * (len(names) + 1) + "|"]

@@ -16,8 +16,8 @@ import torch
 from garmentimage.dataset import dataset_hash
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
-from garmentimage.evaluate.garment import seen
-from garmentimage.evaluate.prompts import PROMPTS, Prompt, is_asked
+from garmentimage.evaluate.garment import measure_garment
+from garmentimage.evaluate.prompts import PROMPTS, Prompt, is_applicable
 from garmentimage.evaluate.records import Records
 from garmentimage.latent import LatentSpace
 from garmentimage.learn import load_weights
@@ -44,7 +44,7 @@ GROUPS = ("topology", "parts", "geometry")
 
 
 @dataclass(frozen=True)
-class Editing:
+class EditMethod:
     """Who edits."""
 
     name: str
@@ -61,10 +61,10 @@ class Editing:
 
 
 @dataclass(frozen=True)
-class Item:
+class EditItem:
     """One garment and one prompt for one editor."""
 
-    editing: Editing
+    editing: EditMethod
     prompt: int
     """Which of `PROMPTS`."""
     garment: int
@@ -79,7 +79,7 @@ class Item:
 
 
 def evaluate_text_edits(
-    editors: Sequence[Editing],
+    editors: Sequence[EditMethod],
     data: Path,
     folder: Path,
     garments: int = 24,
@@ -119,20 +119,20 @@ def evaluate_text_edits(
     }  # fmt: skip
     records = Records(folder, {"garments": garments, "validation": validation}, networks)
     found = records.gather(
-        items, measured, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
+        items, score_edit_item, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
     )
     return {
-        each.name: summary([found[item] for item in items if item.editing == each])
+        each.name: summarise_edits([found[item] for item in items if item.editing == each])
         for each in editors
     }
 
 
-def measured(item: Item) -> dict[str, Any]:
+def score_edit_item(item: EditItem) -> dict[str, Any]:
     """The record of an item."""
     prompt = PROMPTS[item.prompt]
-    start = chosen(item.editing.data, item.split)[item.garment]
+    start = held_out_garments(item.editing.data, item.split)[item.garment]
     began = perf_counter()
-    end, fault = edited(item.editing, start, prompt.text)
+    end, fault = apply_edit(item.editing, start, prompt.text)
     took = perf_counter() - began
     before, after = measure_shape(start), measure_shape(end)
     assert before is not None  # `_items` asks of such garments only
@@ -141,24 +141,26 @@ def measured(item: Item) -> dict[str, Any]:
         "group": prompt.group,
         "done": after is not None and prompt.holds(before, after),
         "kept": preserved_iou(prompt.touches, start, end),
-        "valid": seen(end, fault).valid,
+        "valid": measure_garment(end, fault).valid,
         "seconds": round(took, 2),
         "before": asdict(before),
         "after": asdict(after) if after else None,
     }
 
 
-def edited(editing: Editing, start: Pattern, text: str) -> tuple[Pattern | None, str]:
+def apply_edit(editing: EditMethod, start: Pattern, text: str) -> tuple[Pattern | None, str]:
     """What an editor makes of a garment, and why it is no garment, if it is none."""
     if editing.kind == "caption":
-        return _captioned(editing.data, text), ""
-    codec = codec_of(editing).fit_for(start)
+        return _nearest_caption(editing.data, text), ""
+    codec = load_method_codec(editing).fit_for(start)
     z = codec.latents([start])[0]
-    step = codec.step(z) if editing.kind == "nothing" else _best(editing, codec, z, start, text)
+    step = (
+        codec.step(z) if editing.kind == "nothing" else _best_edit(editing, codec, z, start, text)
+    )
     return step.pattern, step.faults[0] if step.faults else ""
 
 
-def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def summarise_edits(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Figures by prompt, by group and of all."""
     known = [record for record in records if "lost" not in record]
     told: dict[str, Any] = {"measured": len(known), "lost": len(records) - len(known)}
@@ -176,7 +178,7 @@ def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return told
 
 
-def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> Step:
+def _best_edit(editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> Step:
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
     told, said = edit_prompts(start, text)
@@ -184,7 +186,7 @@ def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: s
     def attempt(further: float, touched: EditedRegion | None) -> Step:
         found = run_edit(
             torch.from_numpy(np.asarray(z, np.float32)),
-            _pictures(editing.pictures),
+            _image_decoder(editing.pictures),
             guidance,
             told,
             said,
@@ -198,7 +200,7 @@ def _best(editing: Editing, codec: Codec, z: np.ndarray, start: Pattern, text: s
     return best_attempt(start, text, attempt, editing.tries).step
 
 
-def _check(editing: Editing) -> None:
+def _check(editing: EditMethod) -> None:
     """Read the networks of an editor once, so that what does not fit is known before the work.
 
     Raises:
@@ -206,17 +208,17 @@ def _check(editing: Editing) -> None:
     """
     if editing.kind == "caption":
         return
-    codec_of(editing)
+    load_method_codec(editing)
     if editing.kind == "nothing":
         return
-    pictures = _pictures(editing.pictures)
+    pictures = _image_decoder(editing.pictures)
     check_pair(Path(editing.space), pictures)
     guidance, _ = denoiser_guidance(editing.denoiser, "a dress")
     guidance.gradient(pictures.draw(torch.zeros(1, pictures.config.latent)), "a dress", 0.0)
 
 
 @cache
-def codec_of(editing: Editing) -> Codec:
+def load_method_codec(editing: EditMethod) -> Codec:
     """An editor's latent space, loaded once in each process."""
     if editing.kind == "vectors":
         return VectorCodec(Path(editing.space))
@@ -224,27 +226,27 @@ def codec_of(editing: Editing) -> Codec:
 
 
 @cache
-def _pictures(folder: str) -> Any:
+def _image_decoder(folder: str) -> Any:
     return load_weights(ImageDecoder, folder)
 
 
-def asked_of(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
+def applicable_prompts(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
     """Numbers of garments, and the prompts that ask a change of them."""
     return [
         (number, prompt)
         for number, start in enumerate(measure_shape(pattern) for pattern in garments)
         for prompt in PROMPTS
-        if start and is_asked(prompt, start)
+        if start and is_applicable(prompt, start)
     ]
 
 
 @cache
-def chosen(data: str, split: str) -> list[Pattern]:
+def held_out_garments(data: str, split: str) -> list[Pattern]:
     """Garments of a split, types in turn, in an order of their own."""
-    from garmentimage.dataset import patterns_of, tables
+    from garmentimage.dataset import parse_patterns, read_tables
 
     texts: dict[str, list[str]] = {}
-    for table in tables(data, split, ["type", "pattern"]):
+    for table in read_tables(data, split, ["type", "pattern"]):
         for name, text in zip(table["type"].to_pylist(), table["pattern"].to_pylist()):
             texts.setdefault(name, []).append(text)
     random = np.random.default_rng(SEED)
@@ -252,33 +254,33 @@ def chosen(data: str, split: str) -> list[Pattern]:
         random.shuffle(group)
     most = max(len(group) for group in texts.values())
     turns = [group[k] for k in range(most) for group in texts.values() if k < len(group)]
-    return patterns_of(turns, data)
+    return parse_patterns(turns, data)
 
 
 @cache
-def _captioned(data: str, text: str) -> Pattern:
+def _nearest_caption(data: str, text: str) -> Pattern:
     """The garment in training one of whose captions is nearest to a text, the first if several."""
-    from garmentimage.dataset import patterns_of, tables
+    from garmentimage.dataset import parse_patterns, read_tables
 
     first: dict[str, str] = {}
-    for table in tables(data, "train", ["captions", "pattern"]):
+    for table in read_tables(data, "train", ["captions", "pattern"]):
         for captions, pattern in zip(table["captions"].to_pylist(), table["pattern"].to_pylist()):
             for caption in captions:
                 first.setdefault(caption, pattern)
     captions = list(first)
     best = int((embedded(captions) @ embedded([text])[0]).argmax())
-    return patterns_of([first[captions[best]]], data)[0]
+    return parse_patterns([first[captions[best]]], data)[0]
 
 
-def _items(editors: Sequence[Editing], data: str, garments: int, split: str) -> list[Item]:
-    known = chosen(data, split)
+def _items(editors: Sequence[EditMethod], data: str, garments: int, split: str) -> list[EditItem]:
+    known = held_out_garments(data, split)
     if len(known) < garments:
         raise LearnError(
             f"{shown_path(data)}: has {len(known)} garments of split {split}; this takes {garments}"
         )
-    asked = asked_of(known[:garments])
+    asked = applicable_prompts(known[:garments])
     return [
-        Item(editing, PROMPTS.index(prompt), garment, split, number)
+        EditItem(editing, PROMPTS.index(prompt), garment, split, number)
         for editing in editors
         for number, (garment, prompt) in enumerate(asked)
     ]

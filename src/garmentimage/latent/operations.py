@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.dataset import draw, load_recipe, task_of
+from garmentimage.dataset import draft_garment, load_recipe, task_from_id
 from garmentimage.draft import near
 from garmentimage.errors import LearnError, check_type, quoted
 from garmentimage.latent.space import LatentSpace
@@ -177,7 +177,9 @@ def nearest(space: LatentSpace, source: Source, count: int = 5) -> list[tuple[st
         (
             space.garments.ids[k],
             float(apart[k]),
-            draw(task_of(chosen, space.garments.ids[k], int(space.config["seed"]))).pattern,
+            draft_garment(
+                task_from_id(chosen, space.garments.ids[k], int(space.config["seed"]))
+            ).pattern,
         )
         for k in found
     ]

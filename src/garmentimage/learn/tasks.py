@@ -137,14 +137,14 @@ def cascade_lesson(wanted: Wanted) -> Lesson:
 
 def slot_lesson(wanted: Wanted, name: str) -> Lesson:
     """A vector-based baseline of the cascade."""
-    from garmentimage.dataset import patterns_of
+    from garmentimage.dataset import parse_patterns
     from garmentimage.learn.data import SlotConfig, pictured_slots, read_album, slot_words
     from garmentimage.learn.models import SLOT_NETWORKS, read_resnet
 
     albums = [
         read_album(wanted.data, split, without=wanted.without) for split in ("train", "validation")
     ]
-    patterns = [patterns_of(album.patterns, wanted.data) for album in albums]
+    patterns = [parse_patterns(album.patterns, wanted.data) for album in albums]
     words = slot_words(patterns[0])
     resnet = read_resnet(wanted.resnet) if wanted.resnet else None
     kind = SLOT_NETWORKS[name]

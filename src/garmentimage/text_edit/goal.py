@@ -5,7 +5,7 @@ No network has a say in it but the sentence encoder, which finds the phrase that
 
 from dataclasses import dataclass
 
-from garmentimage.dataset import alike, aspect_of, bottoms_of, every_phrase
+from garmentimage.dataset import all_phrases, aspect_of, bottoms_of, synonyms
 from garmentimage.metrics import EditedRegion, ShapeAttributes
 from garmentimage.text_edit.source_prompt import describe, nearest_phrase
 
@@ -33,7 +33,7 @@ class EditGoal:
 
         Lengths and widths are changes: shorter trousers are what "short" makes of long ones.
         """
-        aspect, words, said = aspect_of(self.phrase), alike(self.phrase), describe(after)
+        aspect, words, said = aspect_of(self.phrase), synonyms(self.phrase), describe(after)
         bottoms = bottoms_of(self.phrase)
         if bottoms and said["bottom"] not in bottoms:
             return False
@@ -59,7 +59,7 @@ def parse_goal(text: str) -> EditGoal | None:
     """
     near, phrase = nearest_phrase(text)
     if near < MIN_SIMILARITY or (
-        text not in every_phrase() and any(joint in text for joint in CONJUNCTIONS)
+        text not in all_phrases() and any(joint in text for joint in CONJUNCTIONS)
     ):
         return None
     return EditGoal(phrase) if aspect_of(phrase) in JUDGED_ASPECTS else None

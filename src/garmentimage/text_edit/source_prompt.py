@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.dataset import aspect_of, bottoms_of, every_phrase
+from garmentimage.dataset import all_phrases, aspect_of, bottoms_of
 from garmentimage.learn.data import embedded
 from garmentimage.metrics import ShapeAttributes, measure_shape
 from garmentimage.pattern import Pattern
@@ -93,5 +93,5 @@ def _level(value: float, low: float, high: float, words: tuple[str, str, str]) -
 
 @cache
 def _phrases() -> tuple[tuple[str, ...], Float32[np.ndarray, "phrase text"]]:
-    known = every_phrase()
+    known = all_phrases()
     return known, embedded(known)

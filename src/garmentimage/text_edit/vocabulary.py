@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-from garmentimage.dataset import every_phrase
+from garmentimage.dataset import all_phrases
 from garmentimage.errors import LearnError, quoted
 
 _WORD = re.compile(r"[^\W\d_]+")
@@ -79,7 +79,7 @@ def list_words(words: tuple[str, ...]) -> str:
 @cache
 def _vocabulary() -> frozenset[str]:
     """Stems of the words that say something of a garment."""
-    words = {word for phrase in every_phrase() for word in _WORD.findall(phrase.lower())}
+    words = {word for phrase in all_phrases() for word in _WORD.findall(phrase.lower())}
     return frozenset(_stem(word) for word in words - _HELPERS)
 
 

@@ -10,7 +10,7 @@ import torch
 from jaxtyping import Bool, Float32, Int16, UInt8
 from torch import Tensor
 
-from garmentimage.dataset import facts, rasters, shard_files, tables
+from garmentimage.dataset import raster_arrays, read_tables, shard_files, shard_metadata
 from garmentimage.draft import near
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.learn.data.rasters import Rasters, from_channels
@@ -112,14 +112,14 @@ def read_album(folder: str | Path, split: str, *, without: Collection[str] = ())
     waists: list[np.ndarray] = []
     images: list[np.ndarray] = []
     told: dict[str, list[str]] = {"id": [], "type": [], "pattern": []}
-    known = facts(shard_files(folder, split)[0]).types
+    known = shard_metadata(shard_files(folder, split)[0]).types
     for name in without:
         if name not in known:
             raise DatasetError(f"the dataset has no type {quoted(name)}; {near(name, known)}")
-    for table in tables(folder, split, [*told, "raster", PICTURE, PANELS]):
+    for table in read_tables(folder, split, [*told, "raster", PICTURE, PANELS]):
         kinds = table["type"].to_pylist()
         kept = [k for k, name in enumerate(kinds) if name not in without]
-        here = rasters(table["raster"])
+        here = raster_arrays(table["raster"])
         if any(len(here[k]) != 2 for k in kept):
             raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
         images += [here[k] for k in kept]

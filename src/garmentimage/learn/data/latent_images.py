@@ -10,7 +10,7 @@ import torch
 from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 
-from garmentimage.dataset import patterns_of, tables, worded
+from garmentimage.dataset import parse_patterns, random_prompt, read_tables
 from garmentimage.errors import LearnError
 from garmentimage.learn.data.images import PICTURE, Album, pixels
 from garmentimage.learn.data.pattern_vectors import Vocabulary, read_vocabulary, vectors
@@ -89,7 +89,7 @@ def _of_rasters(model: GarmentVAE) -> Encode:
 def _of_vectors(model: VectorVAE, words: Vocabulary) -> Encode:
     @torch.no_grad()
     def encode(album: Album) -> tuple[Tensor, Tensor]:
-        found = vectors(patterns_of(album.patterns, "the dataset"), words)
+        found = vectors(parse_patterns(album.patterns, "the dataset"), words)
         parts = torch.arange(len(found)).split(256)
         return _joined([model.encode(found.batch(part)) for part in parts])
 
@@ -141,12 +141,12 @@ def read_captioned(folder: Path, split: str) -> Captioned:
     """
     pictures: list[np.ndarray] = []
     said: list[list[str]] = []
-    for table in tables(folder, split, ["kind", "parameters", PICTURE]):
+    for table in read_tables(folder, split, ["kind", "parameters", PICTURE]):
         pictures += [pixels(each["bytes"]) for each in table[PICTURE].to_pylist()]
         for kind, text in zip(table["kind"].to_pylist(), table["parameters"].to_pylist()):
             random = np.random.default_rng([SEED, len(said)])
             given = json.loads(text)
-            said.append([worded(kind, given, random) for _ in range(WORDINGS)])
+            said.append([random_prompt(kind, given, random) for _ in range(WORDINGS)])
     every = sorted({wording for wordings in said for wording in wordings})
     numbers = {wording: k for k, wording in enumerate(every)}
     return Captioned(

@@ -18,7 +18,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from garmentimage.dataset import patterns_of, tables
+from garmentimage.dataset import parse_patterns, read_tables
 from garmentimage.errors import DecodeError, LearnError, quoted
 from garmentimage.pattern import Cubic, Edge, Loop, Panel, Pattern, Quadratic, Side, Stitch, Vector
 from garmentimage.system import shown_path
@@ -153,10 +153,10 @@ def read_patterns(folder: str | Path, split: str) -> list[Pattern]:
     """
     texts = [
         text
-        for table in tables(folder, split, ["pattern"])
+        for table in read_tables(folder, split, ["pattern"])
         for text in table["pattern"].to_pylist()
     ]
-    return patterns_of(texts, folder)
+    return parse_patterns(texts, folder)
 
 
 def vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:

@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float, Float32, Int8
 from torch import Tensor
 
-from garmentimage.dataset import rasters, tables
+from garmentimage.dataset import raster_arrays, read_tables
 from garmentimage.errors import DatasetError
 from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, BodyFrame, split_channels
 from garmentimage.system import shown_path
@@ -80,8 +80,8 @@ def read_rasters(folder: str | Path, split: str) -> Labelled:
     parts: list[Rasters] = []
     ids: list[str] = []
     names: list[str] = []
-    for table in tables(folder, split, ["id", "type", "raster"]):
-        images = rasters(table["raster"])
+    for table in read_tables(folder, split, ["id", "type", "raster"]):
+        images = raster_arrays(table["raster"])
         if any(len(image) != LAYERS for image in images):
             raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
         if images:
