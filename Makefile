@@ -1,5 +1,6 @@
 # make demo    a picture to a pattern; the bundled patterns encoded, decoded, draped and drawn
 # make test    all tests that need no pattern files by others: some minutes
+# make golden  the golden files of the tests, written anew: look at the difference
 # make check   format, lint, types, quick tests: before every commit
 # make check-kernels  compiled code on degenerate patterns, its array bounds checked: some minutes
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
@@ -18,13 +19,16 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c c
 WORKERS ?= 2
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
-.PHONY: demo test check check-kernels lint corpus picture explore image text bench clean
+.PHONY: demo test golden check check-kernels lint corpus picture explore image text bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
 
 test: $(VENV)/ready-dev
 	$(PYTEST) -m "not corpus"
+
+golden: $(VENV)/ready-dev
+	$(BIN)/python -m pytest tests/test_golden.py --regold
 
 check: lint
 	$(PYTEST) -m "not slow and not corpus"

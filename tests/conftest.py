@@ -21,6 +21,10 @@ SHARED = {"pictured", "trained"}
 """Fixtures that take minutes."""
 
 
+def pytest_addoption(parser):
+    parser.addoption("--regold", action="store_true", help="write the golden files anew")
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """One process has all tests of a shared fixture, which is made there only."""
