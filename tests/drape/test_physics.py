@@ -103,7 +103,7 @@ def test_a_flat_sheet_on_a_level_floor_stays():
 def test_flat_cloth_without_gravity_has_no_forces():
     flat, _, rest = sheet(9, 10, 2.5)
     start = standing(flat)
-    motion = solve(rest, start, FREE, SOFT, settings=replace(AT_ONCE, gravity=0.0, frames=30))
+    motion = solve(rest, start, FREE, SOFT, settings=replace(AT_ONCE, gravity=0.0, max_frames=30))
     assert np.abs(motion.points - start).max() < 1e-7
 
 

@@ -1,11 +1,32 @@
-"""From what is seen at each sample to the light in each pixel: compiled loops.
+"""Compiled loops that shade a picture: from what is seen at each sample to the light in each pixel.
 
-Arrays are `[row col]` with row 0 at the top. A pixel holds `step` x `step` samples.
+What is computed, for each pixel as the mean over its samples, in linear light:
+
+    light = albedo (K s k + F f + A o (sky u + ground (1 - u))) + rim r^3 o
+
+- **Key light** K: Lambert's cosine, wrapped round the shape by the softness w of the lamp,
+  k = max(0, (n . l + w) / (1 + w)); s is the share that no shadow takes.
+- **Cast shadows** s: a shadow map (Williams 1978, "Casting curved shadows on curved surfaces"),
+  softened by the mean over several probes (percentage-closer filtering, Reeves, Salesin and Cook
+  1987). The test is not binary: what is less than 1 cm in front of the limit shadows in part.
+- **Fill light** F: Lambert's cosine f without shadows.
+- **Sky and ground** A: hemisphere lighting, u = (1 + n . up) / 2, times the share o of the
+  surroundings that a point sees.
+- **Ambient occlusion** o: screen-space obscurance by probes above the tangent plane, each weighted
+  by the sine of its angle above it and less with distance (McGuire, Osman, Bukowski and Hennessy
+  2011, "The alchemy screen-space ambient obscurance algorithm").
+- **Rim** r: one minus the cosine between normal and line of sight.
+
+Normals are interpolated over each face and in the axes of the camera: z is towards it. Arrays are
+`[row col]` with row 0 at the top. A pixel holds `step` x `step` samples.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
+from typing import NamedTuple
+
 import numpy as np
+from jaxtyping import Float, Float32, Int, Int16
 from numba import njit
 
 INSIDE = 0.62
@@ -22,19 +43,105 @@ SHADOW_BIAS = 1.2
 the coarse picture from the light."""
 
 
+class Shape(NamedTuple):
+    """One surface as the camera sees it."""
+
+    depth: Float[np.ndarray, " vertex"]
+    """Of the vertices [cm]."""
+    normals: Float[np.ndarray, "vertex 3"]
+    """In the axes of the camera."""
+    faces: Int[np.ndarray, "face 3"]
+    ids: Int[np.ndarray, " face"]
+    """What the panel picture shows."""
+
+
+class Dye(NamedTuple):
+    """Colour of a surface: one for each face, times a print where there is one."""
+
+    colour: Float32[np.ndarray, "face 3"]
+    """Linear light."""
+    flat: Float[np.ndarray, "face_or_0 3 2"]
+    """Place of the corners on the flat cloth [cm]; empty where there is no print."""
+    tile: Float32[np.ndarray, "texel_row texel_col 3"]
+    """Linear light of the repeated tile of the print."""
+    width: float
+    """Of the tile [cm]."""
+    height: float
+
+
+class Lamps(NamedTuple):
+    """Lights of a scene in the axes of the camera; directions go from the surface to the lamp."""
+
+    key_direction: Float32[np.ndarray, " 3"]
+    key: Float32[np.ndarray, " 3"]
+    """Linear light, as for the other lamps."""
+    fill_direction: Float32[np.ndarray, " 3"]
+    fill: Float32[np.ndarray, " 3"]
+    up: Float32[np.ndarray, " 3"]
+    """The world's upward direction."""
+    sky: Float32[np.ndarray, " 3"]
+    ground: Float32[np.ndarray, " 3"]
+    rim: np.float32
+    softness: np.float32
+
+
+class Lighting(NamedTuple):
+    """Lamps, and how much of them reaches each pixel."""
+
+    lamps: Lamps
+    open_share: Float32[np.ndarray, "row col"]
+    """Share of the light from all round."""
+    lit_share: Float32[np.ndarray, "row col"]
+    """Share of the key light."""
+
+
+class Maps(NamedTuple):
+    """What lies nearest in each pixel."""
+
+    depth: Float32[np.ndarray, "row col"]
+    normal: Float32[np.ndarray, "row col 3"]
+    panel: Int16[np.ndarray, "row col"]
+
+
+class PictureRays(NamedTuple):
+    """How pixels of a picture lie in space."""
+
+    slope: float
+    """1 / distance of a perspective camera, whose breadth goes with depth; 0 if orthographic."""
+    extent: float
+    """Breadth of the picture at the target [cm]."""
+    origin: float
+    """Depth of the target [cm]."""
+
+
+class ShadowMap(NamedTuple):
+    """A picture taken from the key light, which looks at the same target."""
+
+    near: Float32[np.ndarray, "row col"]
+    """Depth seen from the light [cm]."""
+    turn: Float[np.ndarray, "3 3"]
+    """Rotation from the camera's axes to those of the light."""
+    scale: float
+    """Pixels of the map per cm."""
+    origin: float
+    """Depth of the target in it [cm]."""
+    offsets: Float32[np.ndarray, "probe 2"]
+    """Steps over which the shadow's edge is softened [pixel of the map]."""
+
+
 @njit(cache=True, error_model="numpy")
-def find_pixels(step, cloth_from, near, owner, silhouette, behind, pixels):
+def find_pixels(step, cloth_from, visible, silhouette, behind, pixels):
     """List the pixels in which something is seen, and how much of each; returns their number.
 
     Args:
         step: samples of a pixel, each way.
         cloth_from: number of the first surface that counts for `silhouette`.
-        near: see `Visible`.
-        owner: see `Visible`.
+        visible: what is seen at each sample, a `Visible`.
         silhouette: share of each pixel in which cloth is seen; is written to.
         behind: share in which nothing is; is written to.
         pixels: [pixel 4] row, column, and row and column of the nearest sample; is written to.
     """
+    near, owner = visible.near, visible.owner
     count = 0
     part = np.float32(1 / (step * step))
     for row in range(len(silhouette)):
@@ -75,10 +182,10 @@ def _normal(normals, a, b, c, wb, wc, side):
 
 
 @njit(cache=True, error_model="numpy")
-def nearest(
-    number, pixels, owner, face, weight, vertex_depth, normals, faces, ids, depth, normal, panel
-):
-    """Depth, normal and id of the pixels in which surface `number` lies nearest."""
+def map_nearest(number, pixels, visible, shape, maps):
+    """Depth, normal and id of the pixels in which surface `number` lies nearest, into `maps`."""
+    owner, face, weight = visible.owner, visible.face, visible.weight
+    away, faces = shape.depth, shape.faces
     for p in range(len(pixels)):
         row, col, r, c = pixels[p, 0], pixels[p, 1], pixels[p, 2], pixels[p, 3]
         if owner[r, c] != number:
@@ -87,21 +194,26 @@ def nearest(
         k, side = (f, 1.0) if f >= 0 else (-1 - f, -1.0)
         wb, wc = weight[r, c, 0], weight[r, c, 1]
         a, b, d = faces[k, 0], faces[k, 1], faces[k, 2]
-        depth[row, col] = (
-            (1 - wb - wc) * vertex_depth[a] + wb * vertex_depth[b] + wc * vertex_depth[d]
-        )
-        x, y, z = _normal(normals, a, b, d, wb, wc, side)
-        normal[row, col, 0], normal[row, col, 1], normal[row, col, 2] = x, y, z
-        panel[row, col] = ids[k]
+        maps.depth[row, col] = (1 - wb - wc) * away[a] + wb * away[b] + wc * away[d]
+        x, y, z = _normal(shape.normals, a, b, d, wb, wc, side)
+        maps.normal[row, col, 0], maps.normal[row, col, 1], maps.normal[row, col, 2] = x, y, z
+        maps.panel[row, col] = shape.ids[k]
 
 
 @njit(cache=True, error_model="numpy")
-def open_share(pixels, depth, normal, probes, pixel, radius, strength, share):
-    """Share of the light from all round that reaches each pixel.
+def find_open_share(pixels, maps, probes, pixel, radius, strength, share):
+    """Share of the light from all round that reaches each pixel: ambient occlusion.
 
-    Ambient obscurance in screen space: each probe, a pixel offset, that lies above the tangent
-    plane and within `radius` [cm] takes light away by the sine of its angle above the plane.
+    Args:
+        pixels: from `find_pixels`.
+        maps: depth and normals of the pixels.
+        probes: [probe 2] steps across and down to the neighbours that may hide light [pixel].
+        pixel: breadth of a pixel [cm].
+        radius: neighbours farther off than this take nothing [cm].
+        strength: share of the light that full occlusion takes.
+        share: is written to.
     """
+    depth, normal = maps.depth, maps.normal
     size = len(depth)
     for p in range(len(pixels)):
         row, col = pixels[p, 0], pixels[p, 1]
@@ -116,6 +228,7 @@ def open_share(pixels, depth, normal, probes, pixel, radius, strength, share):
             if z > radius or z < -radius:
                 continue
             x, y = probes[k, 0] * pixel, -probes[k, 1] * pixel
+            # Height over the tangent plane: what lies below it hides nothing.
             above = x * nx + y * ny + z * nz
             if above <= 0:
                 continue
@@ -126,58 +239,43 @@ def open_share(pixels, depth, normal, probes, pixel, radius, strength, share):
 
 
 @njit(cache=True, error_model="numpy")
-def lit_share(
-    pixels,
-    depth,
-    rays,
-    extent,
-    origin,
-    turn,
-    lamp_near,
-    scale,
-    lamp_stand,
-    offsets,
-    strength,
-    share,
-):
-    """Share of the key light that reaches each pixel, by a picture taken from the light.
+def find_lit_share(pixels, depth, rays, shadow_map, strength, share):
+    """Share of the key light that reaches each pixel: cast shadows.
 
     Args:
         pixels: from `find_pixels`.
         depth: of the pixels [cm].
-        rays: 0 for an orthographic camera, else 1 / its distance: breadth goes with depth.
-        extent: breadth of the picture at the target [cm].
-        origin: depth of the target [cm].
-        turn: rotation from the camera's axes to those of the light.
-        lamp_near: depth seen from the light [cm], which looks at the same target.
-        scale: pixels of that picture per cm.
-        lamp_stand: depth of the target in it [cm].
-        offsets: [probe 2], steps over which the shadow's edge is softened [pixel of the light].
+        rays: where pixels lie, `PictureRays`.
+        shadow_map: the picture from the light, a `ShadowMap`.
         strength: share of the light that a shadow takes.
         share: is written to.
     """
-    size, span = len(depth), len(lamp_near)
+    turn, scale, offsets = shadow_map.turn, shadow_map.scale, shadow_map.offsets
+    size, span = len(depth), len(shadow_map.near)
     for p in range(len(pixels)):
         row, col = pixels[p, 0], pixels[p, 1]
+        # The point of the pixel in the axes of the camera, from the target.
         z = depth[row, col]
-        breadth = extent / size * (z * rays if rays > 0 else 1.0)
+        breadth = rays.extent / size * (z * rays.slope if rays.slope > 0 else 1.0)
         x, y = (col + 0.5 - size / 2) * breadth, (size / 2 - row - 0.5) * breadth
-        z = origin - z
+        z = rays.origin - z
+        # The same point as the light sees it: place in the shadow map and depth.
         lx = turn[0, 0] * x + turn[0, 1] * y + turn[0, 2] * z
         ly = turn[1, 0] * x + turn[1, 1] * y + turn[1, 2] * z
-        lz = lamp_stand - (turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z)
+        lz = shadow_map.origin - (turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z)
         u, v = lx * scale + span / 2, span / 2 - ly * scale
         dark = 0.0
         for k in range(len(offsets)):
             i, j = int(np.floor(v + offsets[k, 1])), int(np.floor(u + offsets[k, 0]))
             if 0 <= i < span and 0 <= j < span:
-                dark += min(1.0, max(0.0, lz - SHADOW_BIAS - lamp_near[i, j]))
+                dark += min(1.0, max(0.0, lz - SHADOW_BIAS - shadow_map.near[i, j]))
         share[row, col] = 1 - strength * dark / len(offsets)
 
 
 @njit(cache=True, error_model="numpy")
-def _printed(flat, k, wb, wc, tile, width, height):
+def _print_at(dye, k, wb, wc):
     """Light of a print at a point of face `k`, between the four nearest texels."""
+    flat, tile, width, height = dye.flat, dye.tile, dye.width, dye.height
     rows, cols = tile.shape[:2]
     wa = 1 - wb - wc
     u = (wa * flat[k, 0, 0] + wb * flat[k, 1, 0] + wc * flat[k, 2, 0]) / width * cols - 0.5
@@ -197,34 +295,26 @@ def _printed(flat, k, wb, wc, tile, width, height):
 
 
 @njit(cache=True, error_model="numpy")
-def shade(
-    number,
-    step,
-    pixels,
-    owner,
-    face,
-    weight,
-    normals,
-    faces,
-    colour,
-    flat,
-    tile,
-    width,
-    height,
-    ink,
-    lamps,
-    open_sky,
-    lit,
-    light,
-):
+def shade(number, pixels, visible, shape, dye, ink, lighting, light):
     """Add the light of surface `number` to the pixels, each sample by its share.
 
-    Diffuse light of the key (wrapped round by its softness) and the fill, sky and ground by the
-    slope, and a rim that grows with the cube of the turn away from the viewer.
+    Args:
+        number: of the surface, as in `visible.owner`.
+        pixels: from `find_pixels`.
+        visible: what is seen at each sample, a `Visible`.
+        shape: the surface, a `Shape`.
+        dye: its colours, a `Dye`.
+        ink: [sample sample] how much of a drawn line each sample shows; empty where none is drawn.
+        lighting: lamps and shadows, `Lighting`.
+        light: [row col 3] linear light of the picture; is added to.
     """
+    owner, face, weight = visible.owner, visible.face, visible.weight
+    lamps, open_share, lit_share = lighting
+    key, fill, up = lamps.key_direction, lamps.fill_direction, lamps.up
+    rim, soft = lamps.rim, lamps.softness
+    faces = shape.faces
+    step = len(owner) // len(light)  # Samples of a pixel, each way.
     part = 1 / (step * step)
-    key, fill, up = lamps[0], lamps[2], lamps[4]
-    rim, soft = lamps[7, 0], lamps[7, 1]
     for p in range(len(pixels)):
         row, col = pixels[p, 0], pixels[p, 1]
         for i in range(row * step, (row + 1) * step):
@@ -232,29 +322,32 @@ def shade(
                 if owner[i, j] != number:
                     continue
                 f = face[i, j]
+                # Negative numbers say that the inside of a face is seen.
                 k, side, own = (f, 1.0, part) if f >= 0 else (-1 - f, -1.0, part * INSIDE)
                 wb, wc = weight[i, j, 0], weight[i, j, 1]
-                x, y, z = _normal(normals, faces[k, 0], faces[k, 1], faces[k, 2], wb, wc, side)
+                x, y, z = _normal(
+                    shape.normals, faces[k, 0], faces[k, 1], faces[k, 2], wb, wc, side
+                )
                 sun = max(0.0, (x * key[0] + y * key[1] + z * key[2] + soft) / (1 + soft))
-                sun *= lit[row, col]
+                sun *= lit_share[row, col]
                 back = max(0.0, x * fill[0] + y * fill[1] + z * fill[2])
-                sky = (0.5 + 0.5 * (x * up[0] + y * up[1] + z * up[2])) * open_sky[row, col]
-                ground = open_sky[row, col] - sky
+                sky = (0.5 + 0.5 * (x * up[0] + y * up[1] + z * up[2])) * open_share[row, col]
+                ground = open_share[row, col] - sky
                 turned = 1 - z
-                edge = rim * turned * turned * turned * open_sky[row, col]
+                edge = rim * turned * turned * turned * open_share[row, col]
                 if len(ink):
                     own *= 1 - INK_SHADE * ink[i, j]
-                red, green, blue = colour[k, 0], colour[k, 1], colour[k, 2]
-                if len(flat):
-                    dye = _printed(flat, k, wb, wc, tile, width, height)
-                    red, green, blue = red * dye[0], green * dye[1], blue * dye[2]
+                red, green, blue = dye.colour[k, 0], dye.colour[k, 1], dye.colour[k, 2]
+                if len(dye.flat):
+                    tint = _print_at(dye, k, wb, wc)
+                    red, green, blue = red * tint[0], green * tint[1], blue * tint[2]
                 for c in range(3):
                     albedo = red if c == 0 else green if c == 1 else blue
                     power = (
-                        lamps[1, c] * sun
-                        + lamps[3, c] * back
-                        + lamps[5, c] * sky
-                        + lamps[6, c] * ground
+                        lamps.key[c] * sun
+                        + lamps.fill[c] * back
+                        + lamps.sky[c] * sky
+                        + lamps.ground[c] * ground
                     )
                     light[row, col, c] += own * (albedo * power + edge)
 

@@ -1,20 +1,52 @@
-"""Compiled loops that find which triangle is seen at each sample."""
+"""Compiled loops that find which triangle is seen at each sample: a z-buffer.
+
+A triangle is scanned over its bounding box with edge functions (Pineda 1988, "A parallel algorithm
+for polygon rasterization"): twice the signed areas s_a, s_b, s_c of a sample's centre with each
+side, all of one sign inside; their shares of the whole are the barycentric weights. Of all
+triangles over a sample the nearest is kept. In perspective, what is linear over the picture is
+1 / z, and a weight over z: z = 1 / sum(w_i / z_i), and corrected weights are w_i z / z_i.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
+from typing import NamedTuple
+
 import numpy as np
+from jaxtyping import Float
 from numba import njit
 
 
+class Screen(NamedTuple):
+    """Vertices on the picture."""
+
+    x: Float[np.ndarray, " vertex"]
+    """Column [sample], from the left edge."""
+    y: Float[np.ndarray, " vertex"]
+    """Row [sample], from the top edge."""
+    depth: Float[np.ndarray, " vertex"]
+    """[cm]"""
+
+
 @njit(cache=True, error_model="numpy")
-def draw_faces(x, y, depth, faces, lift, two_sided, perspective, number, near, owner, face, weight):
+def draw_faces(screen, faces, lift, two_sided, perspective, number, visible):
     """Draw triangles into the buffers of a `Visible`.
 
     Cloth lies so near to the skin that chords of one cut through the other. So a face is drawn
     `lift` [cm] off its place along the line of sight: towards the viewer where its outside is seen,
     away where its inside is. Depth is linear over the picture for an orthographic camera; for a
     perspective one its reciprocal is.
+
+    Args:
+        screen: the vertices, a `Screen`.
+        faces: [face 3] counter-clockwise seen from outside.
+        lift: see above [cm].
+        two_sided: whether the inside is drawn, too.
+        perspective: whether the camera is a perspective one.
+        number: of the surface.
+        visible: a `Visible`; is written to.
     """
+    x, y, depth = screen
+    near, owner, face, weight = visible
     rows, cols = near.shape
     for f in range(len(faces)):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
@@ -35,6 +67,7 @@ def draw_faces(x, y, depth, faces, lift, two_sided, perspective, number, near, o
             py = row + 0.5
             for col in range(left, right + 1):
                 px = col + 0.5
+                # Edge functions: exact on the grid of 1/256 sample, so that no sample is missed.
                 sb = sign * ((px - xa) * (yc - ya) - (xc - xa) * (py - ya))
                 sc = sign * ((xb - xa) * (py - ya) - (px - xa) * (yb - ya))
                 sa = size - sb - sc
@@ -57,12 +90,23 @@ def draw_faces(x, y, depth, faces, lift, two_sided, perspective, number, near, o
 
 
 @njit(cache=True, error_model="numpy")
-def draw_lines(x, y, depth, lines, radius, reach, shade, near, ink):
+def draw_lines(screen, lines, radius, reach, shade, near, ink):
     """Mark with `shade` the samples within `radius` [sample] of lines that nothing hides.
 
     A line lies in the surface it is drawn on, and half of its breadth may lie deeper: what is less
-    than `reach` [cm] nearer does not hide it.
+    than `reach` [cm] nearer does not hide it. The distance of a sample is that to the nearest point
+    of the segment, whose share t along it is clamped to 0 and 1.
+
+    Args:
+        screen: the vertices, a `Screen`.
+        lines: [line 2] vertices at both ends.
+        radius: half of the breadth [sample].
+        reach: see above [cm].
+        shade: how much ink the line has, from 0 to 1.
+        near: [row col] depth of what is seen [cm].
+        ink: [row col] is written to.
     """
+    x, y, depth = screen
     rows, cols = near.shape
     for k in range(len(lines)):
         a, b = lines[k, 0], lines[k, 1]

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from garmentimage.errors import RenderError
+from garmentimage.render.worn._kernels_shade import Lamps
 from garmentimage.render.worn.camera import Camera
 from garmentimage.render.worn.tint import Tint, linear, rgb
 
@@ -50,25 +51,24 @@ class Light:
                 "occlusion must lie from 0 to 1"
             )
 
-    def lamps(self, camera: Camera) -> Float32[np.ndarray, "8 3"]:
-        """The light as the shading reads it, in the axes of the camera.
-
-        Rows: key direction, key light, fill direction, fill light, up, sky light, ground light,
-        and (rim, softness, 0).
-        """
-        warm = self.key * linear(rgb(self.key_tint))
+    def lamps(self, camera: Camera) -> Lamps:
+        """The light as the shading reads it, in the axes of the camera."""
         cool = linear(rgb(self.sky_tint))
-        rows = [
-            direction(self.azimuth, self.elevation),
-            warm,
-            direction(-self.azimuth, 0.3 * self.elevation),
-            self.fill * cool,
-            camera.axes[:, 1],
-            self.ambient * cool,
-            self.ambient * linear(rgb(self.ground_tint)),
-            np.array([self.rim, self.softness, 0.0]),
-        ]
-        return np.array(rows, np.float32)
+
+        def row(values: np.ndarray) -> Float32[np.ndarray, " 3"]:
+            return np.asarray(values, np.float32)
+
+        return Lamps(
+            key_direction=row(direction(self.azimuth, self.elevation)),
+            key=row(self.key * linear(rgb(self.key_tint))),
+            fill_direction=row(direction(-self.azimuth, 0.3 * self.elevation)),
+            fill=row(self.fill * cool),
+            up=row(camera.axes[:, 1]),
+            sky=row(self.ambient * cool),
+            ground=row(self.ambient * linear(rgb(self.ground_tint))),
+            rim=np.float32(self.rim),
+            softness=np.float32(self.softness),
+        )
 
     def key_camera(self, camera: Camera, widened: float) -> Camera:
         """An orthographic camera at the key light, with the target of the picture's camera."""

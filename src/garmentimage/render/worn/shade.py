@@ -1,10 +1,170 @@
-"""What the shading of a picture needs beside its compiled loops."""
+"""Light on what is seen: shadows, lamps and drawn seams, pixel by pixel.
+
+The shading model stands above the compiled loops in `_kernels_shade`.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float, Float32, Int, Int32
+
+from garmentimage.render.worn._kernels_shade import (
+    Dye,
+    Maps,
+    PictureRays,
+    ShadowMap,
+    Shape,
+    find_lit_share,
+    find_open_share,
+    map_nearest,
+)
+from garmentimage.render.worn._kernels_zbuffer import Screen, draw_lines
+from garmentimage.render.worn.camera import Camera
+from garmentimage.render.worn.light import Light
+from garmentimage.render.worn.prints import light_tile
+from garmentimage.render.worn.surface import Surface
+from garmentimage.render.worn.zbuffer import MAX_CACHED, Visible, seen_by
 
 NO_SURFACE = -1
 """Panel id of pixels in which nothing is seen."""
+SUPERSAMPLES = 2
+"""Samples of a pixel, each way."""
+SEAM_BREADTH, MIN_SEAM_BREADTH = 0.5, 0.7
+"""Breadth of a drawn seam [cm], and the least it has [pixel]."""
+LINE_REACH = 0.8
+"""A drawn seam shows through surfaces less than this nearer [cm]."""
+HEM_INK = 0.55
+"""Ink of a free edge, as a share of a seam's."""
+AO_RADIUS = 9.0
+"""What is farther away than this takes no light from a point's surroundings [cm]."""
+AO_PROBES = (3, 8)
+"""Rings and spokes of the probes ..."""
+SMALL_AO_PROBES = (2, 6)
+"""... and in pictures smaller than `SMALL`."""
+SMALL = 128
+"""[pixel]"""
+SHADOW_SOFTNESS = 2.2
+"""The edge of a cast shadow is softened over this radius [cm]."""
+SHADOW_PROBES = (2, 6)
+"""Rings and spokes of the probes that soften it."""
+SHADOW_SIZES = (128, 512)
+"""Smallest and largest picture taken from the light [pixel]."""
+SHADOW_WIDENED = 1.25
+"""Its extent over that of the picture: what lies beyond casts no shadow."""
+
+
+def shape_of(surface: Surface, camera: Camera) -> Shape:
+    """A surface as a camera sees it."""
+    depth, normals = _still_turned(surface, camera) if surface.still else _turned(surface, camera)
+    return Shape(depth, normals, surface.faces, surface.ids)
+
+
+@lru_cache(maxsize=MAX_CACHED)
+def _still_turned(
+    surface: Surface, camera: Camera
+) -> tuple[Float[np.ndarray, " vertex"], Float[np.ndarray, "vertex 3"]]:
+    """`_turned`, kept for surfaces that stay the same in many pictures."""
+    return _turned(surface, camera)
+
+
+def _turned(
+    surface: Surface, camera: Camera
+) -> tuple[Float[np.ndarray, " vertex"], Float[np.ndarray, "vertex 3"]]:
+    """Depth of the vertices [cm] and normals in the axes of the camera."""
+    depth = camera.stand - (surface.points - np.array(camera.target)) @ camera.axes[2]
+    return depth, surface.normals @ camera.axes.T
+
+
+def dye_of(surface: Surface, sample: float) -> Dye:
+    """Colours of a surface, and its print at the size of a sample [cm]; plain where it has none."""
+    printed = surface.cloth_print
+    if printed is None or surface.flat is None:
+        return Dye(surface.light, np.zeros((0, 3, 2)), np.zeros((1, 1, 3), np.float32), 1.0, 1.0)
+    tile = light_tile(printed, sample)
+    return Dye(surface.light, surface.flat, tile, printed.width, printed.height)
+
+
+def maps_of(
+    shapes: Sequence[Shape], seen: Visible, pixels: Int32[np.ndarray, "pixel 4"], size: int
+) -> Maps:
+    """Depth, normal and panel of what lies nearest in each pixel."""
+    maps = Maps(
+        np.full((size, size), np.inf, np.float32),
+        np.zeros((size, size, 3), np.float32),
+        np.full((size, size), NO_SURFACE, np.int16),
+    )
+    for number, shape in enumerate(shapes, start=1):
+        map_nearest(number, pixels, seen, shape, maps)
+    return maps
+
+
+def open_share_of(
+    pixels: Int32[np.ndarray, "pixel 4"],
+    maps: Maps,
+    camera: Camera,
+    light: Light,
+) -> Float32[np.ndarray, "row col"]:
+    """Share of the light from all round that reaches each pixel."""
+    size = len(maps.depth)
+    share = np.ones((size, size), np.float32)
+    if light.occlusion > 0:
+        pixel = camera.extent / size
+        rings, spokes = AO_PROBES if size >= SMALL else SMALL_AO_PROBES
+        probes = _pixel_probes(max(1.5, AO_RADIUS / pixel), rings, spokes)
+        find_open_share(pixels, maps, probes, pixel, AO_RADIUS, light.occlusion, share)
+    return share
+
+
+@lru_cache(maxsize=16)
+def _pixel_probes(radius: float, rings: int, spokes: int) -> Int[np.ndarray, "probe 2"]:
+    """Probes at whole pixels, none at the pixel itself."""
+    probes = np.rint(probe_offsets(radius, rings, spokes)).astype(np.int64)
+    return probes[(probes != 0).any(axis=1)]
+
+
+def lit_share_of(
+    pixels: Int32[np.ndarray, "pixel 4"],
+    scene: Sequence[Surface],
+    depth: Float32[np.ndarray, "row col"],
+    camera: Camera,
+    light: Light,
+) -> Float32[np.ndarray, "row col"]:
+    """Share of the key light that reaches each pixel."""
+    size = len(depth)
+    share = np.ones((size, size), np.float32)
+    if light.shadow == 0 or light.key == 0:
+        return share
+    lamp = light.key_camera(camera, SHADOW_WIDENED)
+    span = int(np.clip(size, *SHADOW_SIZES))
+    from_lamp = seen_by(scene, lamp, span, "lamp")
+    scale = span / lamp.extent
+    slope = 0.0 if camera.distance is None else 1 / camera.distance
+    softening = probe_offsets(SHADOW_SOFTNESS * scale, *SHADOW_PROBES)
+    find_lit_share(
+        pixels,
+        depth,
+        PictureRays(slope, camera.extent, camera.stand),
+        ShadowMap(from_lamp.near, lamp.axes @ camera.axes.T, scale, lamp.stand, softening),
+        light.shadow,
+        share,
+    )
+    return share
+
+
+def ink_of(
+    scene: Sequence[Surface], seen: Visible, camera: Camera
+) -> Float32[np.ndarray, "row col"]:
+    """How much of a drawn seam each sample shows."""
+    samples = len(seen.near)
+    ink = np.zeros((samples, samples), np.float32)
+    breadth = max(SEAM_BREADTH * samples / camera.extent, MIN_SEAM_BREADTH * SUPERSAMPLES)
+    for surface in scene:
+        x, y, depth = camera.project(surface.points, samples)
+        screen = Screen(x + samples / 2, y + samples / 2, depth - surface.lift)
+        for lines, shade_of in ((surface.seams, 1.0), (surface.hems, HEM_INK)):
+            draw_lines(screen, lines, breadth / 2, LINE_REACH, shade_of, seen.near, ink)
+    return ink
 
 
 def probe_offsets(radius: float, rings: int, spokes: int) -> Float32[np.ndarray, "probe 2"]:
