@@ -10,7 +10,7 @@ from garmentimage.body.body import load_body
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.drape.files.export import obj_text, ply_bytes, save_worn
 from garmentimage.drape.files.glb import UV_CM, glb_bytes, load_worn, mesh_names, read_glb
-from garmentimage.drape.files.vertex_attributes import corner_edges, corner_seams, vertex_normals
+from garmentimage.drape.files.vertex_attributes import cloth_normals, corner_edges, corner_seams
 from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.drape.mesh.rest import most_strain, rest_of
 from garmentimage.drape.worn import DrapeReport, Worn
@@ -124,7 +124,7 @@ def test_panels_of_a_glb_are_meshes_in_metres_with_true_texture_coordinates(worn
 
 
 def test_normals_are_smooth_across_seams_and_units(worn):
-    normals = vertex_normals(worn.cloth, worn.points)
+    normals = cloth_normals(worn.cloth, worn.points)
     assert np.allclose(np.linalg.norm(normals, axis=1), 1)
     front = worn.cloth.panel[worn.cloth.faces[:, 0]] == 0
     face = worn.cloth.vertex_faces[front]

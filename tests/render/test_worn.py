@@ -9,6 +9,7 @@ from PIL import Image
 
 from garmentimage.body.body import load_body
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.mesh.normals import vertex_normals
 from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import OutputError, RenderError
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
@@ -25,7 +26,6 @@ from garmentimage.render.worn.surface import (
     body_surface,
     panel_groups,
     surfaces_of,
-    vertex_normals,
 )
 from garmentimage.render.worn.tint import encoded, linear, rgb
 

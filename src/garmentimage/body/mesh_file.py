@@ -79,11 +79,12 @@ def _read(path: str | os.PathLike[str]) -> tuple[Points, Faces]:
         # Without a resolver the reader cannot open any other file.
         mesh = trimesh.load_mesh(BytesIO(raw), file_type=ending, process=False)
         points, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
-    except Exception as error:  # Its readers raise whatever a damaged file makes them stumble over.
+    except Exception as error:
+        # A damaged file can make the readers raise anything.
         raise DraftError(
             f"is not a mesh that can be read as {ending.upper()} ({type(error).__name__}); "
             "export it again"
-        ) from None
+        ) from error
     low, high = FACE_RANGE
     if not low <= len(faces) <= high:
         raise DraftError(f"has {len(faces)} triangles; a body has {low} to {high}")

@@ -25,10 +25,10 @@ from jaxtyping import Float
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.files.glb import BODY, glb_bytes, mesh_names
 from garmentimage.drape.files.vertex_attributes import (
+    cloth_normals,
     corner_edges,
     corner_seams,
     seam_vertices,
-    vertex_normals,
 )
 from garmentimage.drape.worn import Worn
 from garmentimage.errors import OutputError, check_type, quoted
@@ -81,7 +81,7 @@ def _obj_lines(worn: Worn) -> Iterator[str]:
     yield "# Lengths are cm, y is up; vt is the flat pattern in cm. Vertices count from 1."
     yield from _rows("v", worn.points)
     yield from _rows("vt", cloth.flat)
-    yield from _rows("vn", vertex_normals(cloth, worn.points))
+    yield from _rows("vn", cloth_normals(cloth, worn.points))
     names = mesh_names(cloth)
     where = dict(zip((panel.name for panel in cloth.pattern.panels), names))
     for side, corners in cloth.sides.items():

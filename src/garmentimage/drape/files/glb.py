@@ -21,10 +21,10 @@ from jaxtyping import Float, Int
 from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.files.vertex_attributes import (
+    cloth_normals,
     corner_edges,
     corner_seams,
     seam_vertices,
-    vertex_normals,
 )
 from garmentimage.drape.mesh import most_strain, rest_of
 from garmentimage.drape.worn import DrapeReport, Worn
@@ -44,12 +44,16 @@ UV_CM = 100.0
 """Cloth that one unit of UV stands for [cm]."""
 FILE_LIMIT = 200_000_000
 """Bytes of a file."""
-FARTHEST = 100.0
+MAX_OFFSET = 100.0
 """Nothing in a file lies farther off [m]."""
 STRAIN_TOL = 0.01
 """What the cloth is stretched by and what its report says may differ by so much."""
 CLOTH_COLOUR = (0.42, 0.52, 0.66, 1.0)
 SKIN_COLOUR = (0.80, 0.66, 0.57, 1.0)
+
+
+class _Damaged(Exception):
+    """What is damaged in a file, as a clause."""
 
 
 def mesh_names(cloth: Cloth) -> list[str]:
@@ -87,7 +91,7 @@ def _panel_mesh(worn: Worn, number: int) -> Any:
         cloth.faces[cloth.face_panel == number] - first,
         CLOTH_COLOUR,
         uv=cloth.flat[corners] / UV_CM,
-        normals=vertex_normals(cloth, worn.points)[vertex],
+        normals=cloth_normals(cloth, worn.points)[vertex],
     )
     columns = {"VERTEX": cloth.vertex, "EDGE": corner_edges(cloth), "SEAM": corner_seams(cloth)}
     for key, column in columns.items():
@@ -165,8 +169,9 @@ def read_glb(raw: bytes) -> Worn:
     try:
         # Without a resolver the reader cannot open any other file.
         scene = trimesh.load_scene(BytesIO(raw), file_type="glb", process=False)
-    except Exception as error:  # Its reader raises whatever a damaged file makes it stumble over.
-        raise DrapeError(f"is not a GLB that can be read ({type(error).__name__})") from None
+    except Exception as error:
+        # A damaged file can make the reader raise anything.
+        raise DrapeError(f"is not a GLB that can be read ({type(error).__name__})") from error
     extras = scene.metadata.get(OURS)
     if not isinstance(extras, Mapping):
         raise DrapeError("holds no garment of garmentimage; drape a pattern to get one")
@@ -176,8 +181,12 @@ def read_glb(raw: bytes) -> Worn:
         raise DrapeError("was written without its body; drape the pattern again with it")
     try:
         return _worn(scene.geometry, extras)
+    except _Damaged as error:
+        reason = str(error)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, GarmentImageError):
-        raise DrapeError("holds a damaged garment; drape the pattern again") from None
+        # Whatever unpacking raises where a value is missing or of another kind.
+        reason = "a value is missing or of another type"
+    raise DrapeError(f"holds a damaged garment ({reason}); drape the pattern again")
 
 
 def _bytes(path: str | os.PathLike[str]) -> bytes:
@@ -201,15 +210,18 @@ def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> Worn:
     cloth = Cloth(
         pattern=read_spec(extras["pattern"], str(extras["name"]))[0],
         flat=_near(np.concatenate([mesh.visual.uv for mesh in panels])) * UV_CM,
-        faces=np.concatenate([mesh.faces + k for mesh, k in zip(panels, first)]),
+        faces=np.concatenate([mesh.faces + k for mesh, k in zip(panels, first, strict=True)]),
         panel=np.repeat(np.arange(len(panels)), sizes),
         vertex=vertex,
         sides=MappingProxyType({Side(p, int(k)): np.array(n, int) for p, k, n in extras["sides"]}),
     )
     _check(cloth)
     points, report = cloth.sewn(corners), _report(extras["report"])
-    if abs(most_strain(rest_of(cloth), points) - report.strain) > STRAIN_TOL:
-        raise ValueError
+    strain = most_strain(rest_of(cloth), points)
+    if abs(strain - report.strain) > STRAIN_TOL:
+        raise _Damaged(
+            f"its cloth is stretched by {strain:.2f}, its report says {report.strain:.2f}"
+        )
     return Worn(cloth, points, _body(geometry[BODY], extras["body"]), report)
 
 
@@ -231,15 +243,15 @@ def _report(facts: Mapping[str, Any]) -> DrapeReport:
     )
     numbers = [report.speed, report.penetration, report.strain, report.held, report.seconds]
     if not np.isfinite([*numbers, *report.slid.values()]).all():
-        raise ValueError
+        raise _Damaged("its report has NaN or infinite values")
     return report
 
 
 def _near(places: Any) -> Float[np.ndarray, "n k"]:
     """Places [m], none of them farther off than a garment and its wearer can be."""
     places = np.asarray(places, float)
-    if not (np.abs(places) <= FARTHEST).all():
-        raise ValueError
+    if not (np.abs(places) <= MAX_OFFSET).all():
+        raise _Damaged(f"a vertex lies more than {MAX_OFFSET:g} m away, or is not a number")
     return places
 
 
@@ -248,33 +260,36 @@ def _whole(column: np.ndarray) -> Int[np.ndarray, " n"]:
 
 
 def _check(cloth: Cloth) -> None:
-    """Refuse numbers that stand for nothing."""
+    """Refuse numbers that refer to nothing."""
     count = len(cloth.flat)
-    names = {panel.name: len(panel.edges) for panel in cloth.pattern.panels}
-    numbers = np.concatenate([cloth.faces.ravel(), *cloth.sides.values()])
+    edges = {panel.name: len(panel.edges) for panel in cloth.pattern.panels}
+    corners = np.concatenate([cloth.faces.ravel(), *cloth.sides.values()])
+    if not len(cloth.faces):
+        raise _Damaged("it has no triangles")
+    if corners.min() < 0 or corners.max() >= count:
+        raise _Damaged(f"a triangle or an edge refers to a corner beyond its {count}")
+    if cloth.panel.max() >= len(edges):
+        raise _Damaged(f"it has more meshes than the {len(edges)} panels of its pattern")
+    if any(side.edge >= edges[side.panel] for side in cloth.sides):
+        raise _Damaged("it lists an edge that its pattern does not have")
+    if set(cloth.pattern.partners) - set(cloth.sides):
+        raise _Damaged("a sewn edge of its pattern has no corners")
     # Every vertex from 0 to the last has a corner, so that none is without a place.
-    if (
-        not len(cloth.faces)
-        or not 0 <= cloth.vertex.min() <= cloth.vertex.max() < count
-        or cloth.panel.max() >= len(names)
-        or any(side.edge >= names[side.panel] for side in cloth.sides)
-        or set(cloth.pattern.partners) - set(cloth.sides)
-        or numbers.min() < 0
-        or numbers.max() >= count
-        or not np.array_equal(np.unique(cloth.vertex), np.arange(cloth.vertex.max() + 1))
-    ):
-        raise ValueError
+    last = cloth.vertex.max()
+    if last >= count or not np.array_equal(np.unique(cloth.vertex), np.arange(last + 1)):
+        raise _Damaged("its vertices are not numbered from 0 without gaps")
 
 
 def _body(mesh: Any, facts: Mapping[str, Any]) -> Body:
+    """The wearer, with its landmarks."""
     places = {str(key): np.array(place, float) for key, place in facts["landmarks"].items()}
     if any(place.shape != (3,) for place in places.values()):
-        raise ValueError
+        raise _Damaged("a landmark of its body does not have three coordinates")
+    if not all(np.isfinite(place).all() for place in places.values()):
+        raise _Damaged("a landmark of its body is not finite")
     vertices, faces = _near(mesh.vertices) * METRE, np.asarray(mesh.faces, np.int32)
     if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
-        raise ValueError
-    if not all(np.isfinite(place).all() for place in places.values()):
-        raise ValueError
+        raise _Damaged("its body has no triangles, or they refer to vertices that it does not have")
     return Body(
         vertices,
         faces,

@@ -4,9 +4,12 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.mesh import vertex_normals
 
 NONE = -1
 """Number of the edge or the seam of a corner that lies on none."""
+UP = (0.0, 1.0, 0.0)
+"""Normal where none is defined: readers of files expect unit vectors."""
 
 
 def corner_edges(cloth: Cloth) -> Int[np.ndarray, " corner"]:
@@ -34,17 +37,8 @@ def seam_vertices(cloth: Cloth) -> list[Int[np.ndarray, " n"]]:
     return [cloth.vertex[cloth.sides[stitch.a]] for stitch in cloth.pattern.stitches]
 
 
-def vertex_normals(
+def cloth_normals(
     cloth: Cloth, points: Float[np.ndarray, "vertex 3"]
 ) -> Float[np.ndarray, "vertex 3"]:
-    """Unit normals of the outer face, smooth across seams: means weighted by the faces' areas."""
-    faces = cloth.vertex_faces
-    a, b, c = np.moveaxis(points[faces], 1, 0)
-    normal = np.cross(b - a, c - a)
-    count = len(points)
-    total = np.stack(
-        [np.bincount(faces.T.ravel(), np.tile(n, 3), minlength=count) for n in normal.T], axis=1
-    )
-    size = np.linalg.norm(total, axis=1, keepdims=True)
-    # Where faces of a fold cancel out, any unit direction will do.
-    return np.where(size > 0, total / np.where(size > 0, size, 1.0), [0.0, 1.0, 0.0])
+    """Unit normals of the outer face, smooth across seams; upwards where a fold cancels out."""
+    return vertex_normals(points, cloth.vertex_faces, default=UP)

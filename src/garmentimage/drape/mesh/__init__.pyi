@@ -7,6 +7,9 @@ from .meshing import (
     mesh as mesh,
     missed as missed,
 )
+from .normals import (
+    vertex_normals as vertex_normals,
+)
 from .rest import (
     Rest as Rest,
     most_strain as most_strain,

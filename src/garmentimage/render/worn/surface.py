@@ -11,6 +11,7 @@ from jaxtyping import Float, Float32, Int
 
 from garmentimage.body import Body
 from garmentimage.drape import Cloth, Worn
+from garmentimage.drape.mesh import vertex_normals
 from garmentimage.errors import RenderError, quoted
 from garmentimage.render.worn.prints import Print
 from garmentimage.render.worn.tint import Tint, linear, rgb
@@ -73,20 +74,6 @@ class Surface:
     def light(self) -> Float32[np.ndarray, "face 3"]:
         """Colours in linear light."""
         return linear(self.colour)
-
-
-def vertex_normals(
-    points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
-) -> Float[np.ndarray, "vertex 3"]:
-    """Unit normals at the vertices: the mean of the faces round each, weighted by area."""
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
-    total = np.zeros_like(points)
-    for axis in range(3):
-        weights = np.repeat(across[:, axis], 3)
-        total[:, axis] = np.bincount(faces.ravel(), weights, minlength=len(points))
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return total / np.where(length > 0, length, 1)
 
 
 @lru_cache(maxsize=8)

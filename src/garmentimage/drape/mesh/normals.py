@@ -1,0 +1,30 @@
+"""Unit normals at the vertices of a triangle mesh."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+
+def vertex_normals(
+    points: Float[np.ndarray, "vertex 3"],
+    faces: Int[np.ndarray, "face 3"],
+    *,
+    default: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> Float[np.ndarray, "vertex 3"]:
+    """Means of the normals of the faces round each vertex, weighted by area, as unit vectors.
+
+    The cross product of two sides is the normal times twice the area, so that a plain sum weighs.
+
+    Args:
+        points: places of the vertices [cm].
+        faces: triangles, counter-clockwise seen from outside.
+        default: the normal where the sum is zero: at a vertex without faces, or where those of a
+            fold cancel out.
+    """
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    total = np.zeros_like(points)
+    for axis in range(3):
+        weights = np.repeat(across[:, axis], 3)
+        total[:, axis] = np.bincount(faces.ravel(), weights, minlength=len(points))
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.where(length > 0, total / np.where(length > 0, length, 1.0), default)
