@@ -1,0 +1,275 @@
+"""Pages of the documentation site that are made from the code; mkdocs.yml names this file as a hook.
+
+- `reference/python/*.md`: one page for each package, its names as the package's stub lists them.
+- `reference/commands.md`: what `python -m garmentimage VERB --help` prints, verb by verb.
+- `benchmarks/results/*.json`: the measured files, so that links to them work in the built site.
+
+No file is written into `docs`; the pages exist while the site is built.
+"""
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "src"
+PACKAGE = "garmentimage"
+RESULTS = ROOT / "benchmarks" / "results"
+
+PYTHON_PAGES = "reference/python"
+COMMAND_PAGE = "reference/commands.md"
+HELP_COLUMNS = 100
+"""Width of the help texts [characters]."""
+MAX_DEPTH = 3
+"""Of subcommands below subcommands."""
+_BOX = "│╭╮╰╯─|"
+_NOT_COMMANDS = re.compile(r"^(options|parameters|arguments|positional arguments|usage)\b", re.I)
+
+
+@dataclass(frozen=True)
+class Room:
+    """A package of the project and what it gives to others."""
+
+    module: str
+    """Dotted name, as it is imported."""
+    summary: str
+    """Docstring of the package."""
+    names: tuple[str, ...]
+    """Public names, sorted."""
+
+
+@cache
+def rooms() -> tuple[Room, ...]:
+    """Every package with a stub, `garmentimage` itself first, then by name."""
+    stubs = sorted((SOURCE / PACKAGE).rglob("__init__.pyi"))
+    return tuple(_room(stub) for stub in stubs)
+
+
+def _room(stub: Path) -> Room:
+    module = ".".join(stub.parent.relative_to(SOURCE).parts)
+    names = [
+        alias.asname or alias.name
+        for node in ast.parse(stub.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
+    text = stub.with_suffix(".py").read_text(encoding="utf-8")
+    return Room(module, ast.get_docstring(ast.parse(text)) or "", tuple(sorted(names, key=_order)))
+
+
+def _order(name: str) -> tuple[bool, str]:
+    """Functions and classes first, constants last."""
+    return name.isupper(), name.lower()
+
+
+@cache
+def sources() -> dict[str, dict[str, str]]:
+    """Per package: public name -> dotted path of its definition, as the stubs say."""
+    found: dict[str, dict[str, str]] = {}
+    for stub in sorted((SOURCE / PACKAGE).rglob("__init__.pyi")):
+        module = ".".join(stub.parent.relative_to(SOURCE).parts)
+        tree = ast.parse(stub.read_text(encoding="utf-8"))
+        found[module] = {
+            alias.asname or alias.name: f"{_absolute(module, node)}.{alias.name}"
+            for node in tree.body
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }
+    return found
+
+
+def _absolute(module: str, node: ast.ImportFrom) -> str:
+    parts = module.split(".")
+    base = parts[: len(parts) - node.level + 1] if node.level else []
+    return ".".join([*base, *filter(None, [node.module])])
+
+
+def definition(module: str, name: str) -> str:
+    """Dotted path of the module-level definition behind a public name, through all packages."""
+    path = sources()[module][name]
+    owner, _, last = path.rpartition(".")
+    return definition(owner, last) if last in sources().get(owner, {}) else path
+
+
+def page_of(room: Room) -> str:
+    """Path of a package's page below `docs`."""
+    return f"{PYTHON_PAGES}/{room.module}.md"
+
+
+@cache
+def owners() -> dict[str, str]:
+    """Per definition the package whose page describes it: the root, else the nearest to it."""
+    found: dict[str, str] = {}
+    for module in sorted(sources(), key=lambda m: (m != PACKAGE, -len(m.split(".")), m)):
+        for name in sources()[module]:
+            path = definition(module, name)
+            if module == PACKAGE or path.startswith(f"{module}."):
+                found.setdefault(path, module)
+    return found
+
+
+def room_page(room: Room) -> str:
+    """Markdown of a package's page: an entry for each name that no other page describes."""
+    lines = [f"# `{room.module}`", "", room.summary, ""]
+    elsewhere = []
+    for name in room.names:
+        path = definition(room.module, name)
+        owner = owners().get(path, room.module)
+        if owner == room.module:
+            lines += [f"::: {room.module}.{name}", ""]
+        else:
+            known = {definition(owner, other): other for other in sources()[owner]}
+            elsewhere.append(f"[`{name}`]({owner}.md#{owner}.{known[path]})")
+    if elsewhere:
+        lines += [f"Also here, described on other pages: {', '.join(elsewhere)}.", ""]
+    return "\n".join(lines)
+
+
+def index_page() -> str:
+    """The list of all packages."""
+    rows = [
+        f"| [`{room.module}`]({room.module}.md) | {_first_sentence(room.summary)} |"
+        for room in rooms()
+    ]
+    return "\n".join(
+        [
+            "# Python API",
+            "",
+            f"`import {PACKAGE} as gi` gives the names of [`{PACKAGE}`]({PACKAGE}.md), which is all",
+            "that most programs need. Further names are imported from the package that they belong",
+            "to, such as `from garmentimage.compare import judge`. Modules inside a package are",
+            "private. Lengths are cm unless a page says otherwise.",
+            "",
+            "| package | what it is |",
+            "|---|---|",
+            *rows,
+            "",
+        ]
+    )
+
+
+def _first_sentence(text: str) -> str:
+    paragraph = " ".join(text.split("\n\n")[0].split())
+    return re.split(r"(?<=[.:])\s", paragraph)[0].replace("|", "\\|")
+
+
+def help_of(words: tuple[str, ...]) -> str | None:
+    """What `garmentimage WORDS --help` prints, None where there is no such command."""
+    path = os.pathsep.join(filter(None, [str(SOURCE), os.environ.get("PYTHONPATH")]))
+    plain = {"COLUMNS": str(HELP_COLUMNS), "NO_COLOR": "1", "TERM": "dumb", "PYTHONPATH": path}
+    done = subprocess.run(
+        [sys.executable, "-m", PACKAGE, *words, "--help"],
+        env={**os.environ, **plain},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+    return done.stdout.rstrip() if done.returncode == 0 and done.stdout.strip() else None
+
+
+def listed_commands(text: str) -> list[str]:
+    """Words that a help text lists as commands, whichever library printed it.
+
+    They stand at the start of indented or boxed lines, under any heading but those of options and
+    parameters.
+    """
+    found: list[str] = []
+    takes = False
+    for line in text.splitlines():
+        boxed = line.startswith(tuple(_BOX))
+        inner = line.strip(_BOX + " ")
+        heading = line.startswith("╭") or (line[:1].strip() and line.endswith(":") and not boxed)
+        if heading:
+            takes = not _NOT_COMMANDS.match(inner)
+        elif takes and (word := _command(line.strip("│|"), inner)) and word not in found:
+            found.append(word)
+    return found
+
+
+def _command(line: str, inner: str) -> str | None:
+    match = re.match(r"^ {1,6}([a-z][a-z0-9]*(?:-[a-z0-9]+)*)(?: {2,}\S|\s*$)", line)
+    return match.group(1) if match and inner else None
+
+
+@cache
+def commands() -> dict[tuple[str, ...], str]:
+    """Help text of every command and subcommand, in the order in which they are listed."""
+    start = help_of(())
+    if start is None:
+        raise RuntimeError(f"`python -m {PACKAGE} --help` failed")
+    with ThreadPoolExecutor(2) as pool:
+        return {(): start, **_below((), start, pool)}
+
+
+def _below(
+    words: tuple[str, ...], text: str, pool: ThreadPoolExecutor
+) -> dict[tuple[str, ...], str]:
+    if len(words) == MAX_DEPTH:
+        return {}
+    paths = [(*words, word) for word in listed_commands(text)]
+    found: dict[tuple[str, ...], str] = {}
+    for path, printed in zip(paths, pool.map(help_of, paths), strict=True):
+        if printed is not None and printed != text:
+            found |= {path: printed, **_below(path, printed, pool)}
+    return found
+
+
+def command_page() -> str:
+    """Markdown of the command reference."""
+    lines = [
+        "# Commands",
+        "",
+        "What `garmentimage COMMAND --help` prints, made when this site was built.",
+        "[Errors and exit codes](errors.md) are the same for all commands.",
+        "",
+    ]
+    for words, text in commands().items():
+        level = min(len(words) + 1, 4) if words else 2
+        title = " ".join(["garmentimage", *words])
+        lines += [f"{'#' * level} `{title}`", "", "```text", text, "```", ""]
+    return "\n".join(lines)
+
+
+def on_config(config):
+    """Put the pages of the packages into the navigation, below the entry `Python API`."""
+    from mkdocs.config.defaults import MkDocsConfig
+
+    assert isinstance(config, MkDocsConfig)
+    pages = [f"{PYTHON_PAGES}/index.md", *({room.module: page_of(room)} for room in rooms())]
+    for section in config.nav or []:
+        for entries in section.values():
+            for entry in entries if isinstance(entries, list) else []:
+                if isinstance(entry, dict) and "Python API" in entry:
+                    entry["Python API"] = pages
+    return config
+
+
+def on_files(files, config):
+    """Add the generated pages and the measured files."""
+    from mkdocs.structure.files import File
+
+    made = {
+        f"{PYTHON_PAGES}/index.md": index_page(),
+        COMMAND_PAGE: command_page(),
+        **{page_of(room): room_page(room) for room in rooms()},
+    }
+    for path, text in made.items():
+        files.append(File.generated(config, path, content=text))
+    for file in sorted(RESULTS.glob("*.json")):
+        place = f"benchmarks/results/{file.name}"
+        files.append(File.generated(config, place, abs_src_path=str(file)))
+    return files
+
+
+def on_page_markdown(markdown, page, **_):
+    """Links to measured files hold in the repository and in the site."""
+    if page.file.src_uri.startswith("benchmarks/"):
+        return markdown.replace("](../../benchmarks/results/", "](results/")
+    return markdown.replace("](../../benchmarks/results/", "](../benchmarks/results/")
