@@ -11,13 +11,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, UInt8
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 import garmentimage as gi
-from garmentimage.drape import FABRICS
 from garmentimage.drape.mesh import mesh
 from garmentimage.drape.solver import Settings
 from garmentimage.drape.start import standing, start_points
@@ -30,8 +29,7 @@ from garmentimage.raster.encode.lattice.drawing import drawing_of, with_links
 from garmentimage.raster.encode.lattice.route import route
 from garmentimage.raster.encode.layout import Layout, layouts, seam_complex
 from garmentimage.raster.encode.placement import Placed, place
-from garmentimage.render import save_png
-from garmentimage.render.flat import draw_cells, draw_image, draw_pattern
+from garmentimage.render.flat import draw_image, draw_pattern
 from garmentimage.render.style import (
     FAINT,
     GRID_LINE,
@@ -189,7 +187,7 @@ def _placement(placed: Placed, frame: BodyFrame) -> Figure:
             closed = np.concatenate([outline, outline[:1]])
             ax.plot(*closed.T, color=SEAM_COLOURS[k % len(SEAM_COLOURS)], linewidth=1.6, zorder=2)
             outer = np.sign(outline[:, 0].mean().round(3)) * 6.0
-            x, y = outline.mean(axis=0) + (outer, -12.0 if outer else 0.0)
+            x, y = outline.mean(axis=0) + np.array([outer, -12.0 if outer else 0.0])
             ax.text(x, y, panel.source, fontsize=6.5, color=INK, ha="center", va="center")
         near_garment(ax)
     return figure

@@ -1,4 +1,4 @@
-"""Pages of the documentation site that are made from the code; mkdocs.yml names this file as a hook.
+"""Pages of the documentation site that are made from the code; mkdocs.yml names them as a hook.
 
 - `reference/python/*.md`: one page for each package, its names as the package's stub lists them.
 - `reference/commands.md`: what `python -m garmentimage VERB --help` prints, verb by verb.
@@ -26,6 +26,8 @@ PYTHON_PAGES = "reference/python"
 COMMAND_PAGE = "reference/commands.md"
 HELP_COLUMNS = 100
 """Width of the help texts [characters]."""
+MAX_VALUE = 120
+"""Longest value of a constant that is shown whole [characters]."""
 MAX_DEPTH = 3
 """Of subcommands below subcommands."""
 _BOX = "│╭╮╰╯─|"
@@ -114,21 +116,85 @@ def owners() -> dict[str, str]:
     return found
 
 
+@dataclass(frozen=True)
+class Constant:
+    """A constant or a type alias of a module."""
+
+    value: str
+    """As the code writes it."""
+    meaning: str
+    """The string below it; of several assigned together, the string below all of them."""
+
+
+@cache
+def constants(module: str) -> dict[str, Constant]:
+    """Constants and aliases that a module defines, by name."""
+    path = SOURCE / module.replace(".", "/")
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    body = ast.parse(file.read_text(encoding="utf-8")).body
+    found = {}
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        if isinstance(node, ast.Assign):
+            targets: list[ast.expr] = [node.targets[0]]
+        elif isinstance(node, ast.AnnAssign) and node.value is not None:
+            targets = [node.target]
+        else:
+            continue
+        assert node.value is not None
+        values = [node.value]
+        if isinstance(targets[0], ast.Tuple):
+            targets = targets[0].elts
+            whole = isinstance(node.value, ast.Tuple)
+            values = node.value.elts if whole else [node.value] * len(targets)
+        text = ""
+        if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+            text = " ".join(str(after.value.value).split())
+        for target, value in zip(targets, values, strict=True):
+            if isinstance(target, ast.Name):
+                found[target.id] = Constant(ast.unparse(value), text)
+    return found
+
+
+def constant(path: str) -> Constant | None:
+    """The constant of a dotted path, None for functions and classes."""
+    module, _, name = path.rpartition(".")
+    return constants(module).get(name)
+
+
 def room_page(room: Room) -> str:
     """Markdown of a package's page: an entry for each name that no other page describes."""
     lines = [f"# `{room.module}`", "", room.summary, ""]
-    elsewhere = []
+    rows, elsewhere = [], []
     for name in room.names:
         path = definition(room.module, name)
         owner = owners().get(path, room.module)
-        if owner == room.module:
-            lines += [f"::: {room.module}.{name}", ""]
-        else:
+        value = constant(path)
+        if owner != room.module:
             known = {definition(owner, other): other for other in sources()[owner]}
             elsewhere.append(f"[`{name}`]({owner}.md#{owner}.{known[path]})")
+        elif value is None:
+            lines += [f"::: {room.module}.{name}", ""]
+        else:
+            rows.append(_constant_row(f"{room.module}.{name}", value))
+    if rows:
+        lines += [
+            "## Constants and types",
+            "",
+            "| name | value | meaning |",
+            "|---|---|---|",
+            *rows,
+        ]
+        lines.append("")
     if elsewhere:
         lines += [f"Also here, described on other pages: {', '.join(elsewhere)}.", ""]
     return "\n".join(lines)
+
+
+def _constant_row(path: str, value: Constant) -> str:
+    name = path.rpartition(".")[2]
+    shown = value.value if len(value.value) <= MAX_VALUE else value.value[:MAX_VALUE] + " ..."
+    cells = (f'<a id="{path}"></a>`{name}`', f"`{shown}`", value.meaning)
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def index_page() -> str:
@@ -141,10 +207,10 @@ def index_page() -> str:
         [
             "# Python API",
             "",
-            f"`import {PACKAGE} as gi` gives the names of [`{PACKAGE}`]({PACKAGE}.md), which is all",
-            "that most programs need. Further names are imported from the package that they belong",
-            "to, such as `from garmentimage.compare import judge`. Modules inside a package are",
-            "private. Lengths are cm unless a page says otherwise.",
+            f"`import {PACKAGE} as gi` gives the names of [`{PACKAGE}`]({PACKAGE}.md), which is",
+            "all that most programs need. Further names are imported from the package that they",
+            "belong to, such as `from garmentimage.compare import judge`. Modules inside a package",
+            "are private. Lengths are cm unless a page says otherwise.",
             "",
             "| package | what it is |",
             "|---|---|",
