@@ -272,7 +272,7 @@ def test_files_that_will_not_do_are_told(capsys, tmp_path, glb, rags):
         (mine / "text.glb", "is not a GLB that can be read"),
         (cube, "holds no garment of garmentimage"),
         (mine / "copy.obj", "write a .glb"),
-        (mine / "none.glb", "cannot be read"),
+        (mine / "none.glb", "there is no such file"),
         (rags, "has no stitches"),
     ):
         code, _, err = run(capsys, "render", file, "-o", out)

@@ -205,7 +205,7 @@ def test_values_that_spoil_a_panel_are_refused(tmp_path, across, message):
     [
         (
             {"flair": 1.2},
-            r"'flair': there is none; did you mean 'flare'\? the template has 'waist'",
+            r"'flair': there is none; did you mean 'flare'",
         ),
         ({"flare": 3}, r"'flare': is 3; give a number from 0\.75 to 1\.6, or 1 to change nothing"),
         ({"flare": float("nan")}, "'flare': must be a finite number"),

@@ -8,7 +8,6 @@ Names follow ISO 8559-1. The words used below:
     level             a height above the floor at which a girth is taken
 """
 
-import difflib
 import json
 import math
 import os
@@ -21,7 +20,7 @@ from types import MappingProxyType
 from typing import Any
 
 from garmentimage.errors import DraftError, quoted
-from garmentimage.system import shown_path, write_atomically
+from garmentimage.system import did_you_mean, shown_path, write_atomically
 
 SHIPPED_FILE = "measurements.json"
 """The records of the shipped bodies, in the package's `body/data`."""
@@ -238,11 +237,7 @@ def measurements(name: str) -> BodyMeasurements:
 def check_body_name(name: str) -> None:
     """Refuse a name that no shipped body has, naming the near ones."""
     if name not in presets():
-        near = difflib.get_close_matches(name, presets())
-        hint = (
-            f"did you mean {' or '.join(near)}" if near else f"choose one of {', '.join(presets())}"
-        )
-        raise DraftError(f"there is no body {quoted(name)}; {hint}")
+        raise DraftError(f"there is no body {quoted(name)}; {did_you_mean(name, presets())}")
 
 
 def load_measurements(path: str | os.PathLike[str]) -> BodyMeasurements:
@@ -280,8 +275,7 @@ def _numbers(data: Any) -> dict[str, float]:
         )
     for name in data:
         if name not in NAMES:
-            near = difflib.get_close_matches(name, NAMES, n=1)
-            hint = f"did you mean {near[0]}" if near else "remove it"
+            hint = did_you_mean(name, NAMES, otherwise="remove it")
             raise DraftError(f"there is no measurement {quoted(name)}; {hint}")
     missing = [name for name in NAMES if name not in data]
     if missing:

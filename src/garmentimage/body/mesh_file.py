@@ -19,12 +19,11 @@ from garmentimage.body.landmarks import mark, trunk_section
 from garmentimage.body.mend import SMALL_PART, Faces, Points, Surface, parts, size, united, welded
 from garmentimage.body.upright import ADULT, upright
 from garmentimage.errors import DraftError
-from garmentimage.system import shown_path
+from garmentimage.system import errors_about, read_limited
 
 MESH_FORMATS = ("obj", "ply", "stl", "glb")
 """Endings of files that are read."""
-FILE_LIMIT = 100_000_000
-"""Bytes of a file."""
+MAX_FILE_BYTES = 100_000_000
 FACE_RANGE = (500, 400_000)
 """Triangles of a body: with fewer there is no shape, more only cost time."""
 HOLE, SOLE = 0.1, 0.2
@@ -53,7 +52,7 @@ def load_body_file(path: str | os.PathLike[str]) -> Body:
     Raises:
         DraftError: the file cannot be read, or is no such body.
     """
-    try:
+    with errors_about(path):
         used = _joined(*_read(path))
         points, faces = united(used)
         rims = used[0].rims
@@ -63,8 +62,6 @@ def load_body_file(path: str | os.PathLike[str]) -> Body:
         standing = upright(points, faces)
         _check_rims(points, standing, rims)
         return _body(standing, faces, Path(path).stem)
-    except DraftError as error:
-        raise DraftError(f"{shown_path(path)}: {error}") from None
 
 
 def _read(path: str | os.PathLike[str]) -> tuple[Points, Faces]:
@@ -94,20 +91,11 @@ def _read(path: str | os.PathLike[str]) -> tuple[Points, Faces]:
 
 
 def _bytes(path: str | os.PathLike[str]) -> bytes:
-    try:
-        with Path(path).open("rb") as file:
-            raw = file.read(FILE_LIMIT + 1)
-    except FileNotFoundError:
-        raise DraftError("there is no such file; check its name") from None
-    except IsADirectoryError:
-        raise DraftError("is a folder; name a mesh file in it") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise DraftError(f"cannot be read ({reason})") from None
+    raw = read_limited(
+        path, MAX_FILE_BYTES, DraftError, kind="mesh file", too_large="export a coarser body"
+    )
     if not raw.strip():
         raise DraftError("is empty; export the body again")
-    if len(raw) > FILE_LIMIT:
-        raise DraftError(f"is larger than {FILE_LIMIT // 1_000_000} MB; export a coarser body")
     return raw
 
 

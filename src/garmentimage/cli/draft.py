@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from garmentimage.cli.terminal import Exit, print_json, print_written, say, whole_number
 from garmentimage.errors import DraftError, OutputError, quoted
-from garmentimage.system import safe_name, shown_path, write_atomically
+from garmentimage.system import did_you_mean, safe_name, shown_path, write_atomically
 
 if TYPE_CHECKING:
     from garmentimage.body import BodyMeasurements
@@ -319,10 +319,10 @@ def _check_suffix(out: Path) -> None:
 
 
 def _kind(name: str) -> "Kind":
-    from garmentimage.draft import KINDS, near
+    from garmentimage.draft import KINDS
 
     if name not in KINDS:
-        raise DraftError(f"there is no kind {quoted(name)}; {near(name, KINDS)}")
+        raise DraftError(f"there is no kind {quoted(name)}; {did_you_mean(name, KINDS)}")
     return KINDS[name]
 
 

@@ -20,10 +20,11 @@ from typing import Any
 import numpy as np
 
 from garmentimage.body import presets
-from garmentimage.draft import KINDS, Value, checked_values, near
+from garmentimage.draft import KINDS, Value, checked_values
 from garmentimage.drape import FABRICS
 from garmentimage.errors import DatasetError, GarmentImageError, quoted
 from garmentimage.render.worn import VIEWS, Look, Tint, rgb
+from garmentimage.system import did_you_mean
 
 SPLITS = ("train", "validation", "test", "unseen")
 SHARES = (0.9, 0.05, 0.05)
@@ -115,7 +116,9 @@ def load_recipe(name: str) -> Recipe:
         DatasetError: there is none of that name.
     """
     if name not in recipe_names():
-        raise DatasetError(f"there is no recipe {quoted(name)}; {near(name, recipe_names())}")
+        raise DatasetError(
+            f"there is no recipe {quoted(name)}; {did_you_mean(name, recipe_names())}"
+        )
     text = (files("garmentimage.dataset") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
     return parse_recipe(text)
 
@@ -167,7 +170,7 @@ def _parse(facts: Mapping[str, Any]) -> Recipe:
     for group in made.colours:
         if group not in Look().colours:
             raise DatasetError(
-                f"there is no panel group {quoted(group)}; {near(group, Look().colours)}"
+                f"there is no panel group {quoted(group)}; {did_you_mean(group, Look().colours)}"
             )
     low, high = PICTURE_SIZES
     if made.views and not low <= made.picture <= high:
@@ -203,14 +206,14 @@ def _check_names(names: Any, known: Any, what: str) -> tuple[str, ...]:
     for name in names:
         _check_kind(what, name, str)
         if name not in known:
-            raise DatasetError(f"there is no {what} {quoted(name)}; {near(name, known)}")
+            raise DatasetError(f"there is no {what} {quoted(name)}; {did_you_mean(name, known)}")
     return tuple(names)
 
 
 def _check_keys(facts: Mapping[str, Any], known: Mapping[str, type], *, required: set[str]) -> None:
     for key, value in facts.items():
         if key not in known:
-            raise DatasetError(f"a recipe has no {quoted(key)}; {near(key, sorted(known))}")
+            raise DatasetError(f"a recipe has no {quoted(key)}; {did_you_mean(key, sorted(known))}")
         _check_kind(key, value, known[key])
     for key in sorted(required - facts.keys()):
         raise DatasetError(f"the recipe does not tell its {key}")

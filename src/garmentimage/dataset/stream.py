@@ -18,9 +18,8 @@ from garmentimage.dataset.read import (
     shard_files,
     shard_metadata,
 )
-from garmentimage.draft import near
 from garmentimage.errors import DatasetError, quoted
-from garmentimage.system import shown_path
+from garmentimage.system import did_you_mean, shown_path
 
 
 class RowStream(IterableDataset):
@@ -105,7 +104,9 @@ def _types(known: Collection[str], names: Collection[str]) -> frozenset[str]:
         raise DatasetError(f"types are given as a list, [{names!r}], not as {names!r}")
     for name in names:
         if name not in known:
-            raise DatasetError(f"the dataset has no type {name!r}; {near(str(name), known)}")
+            raise DatasetError(
+                f"the dataset has no type {name!r}; {did_you_mean(str(name), known)}"
+            )
     return frozenset(names)
 
 

@@ -8,7 +8,6 @@ from .parameters import (
     Parameter as Parameter,
     Value as Value,
     checked_values as checked_values,
-    near as near,
 )
 from .sampling import (
     Sample as Sample,

@@ -9,7 +9,7 @@ from garmentimage.body import BodyMeasurements, measurements
 from garmentimage.draft import rules
 from garmentimage.draft.assemble import Assembly
 from garmentimage.draft.panel import BACK, FACINGS, FRONT, SIDES, PanelDraft, Seam
-from garmentimage.draft.parameters import Parameter, Value, checked_values, near, parameters_of
+from garmentimage.draft.parameters import Parameter, Value, checked_values, parameters_of
 from garmentimage.draft.parts import (
     BelowWaist,
     Block,
@@ -36,6 +36,7 @@ from garmentimage.draft.parts import (
 )
 from garmentimage.errors import DraftError, check_type, quoted
 from garmentimage.pattern import Pattern
+from garmentimage.system import did_you_mean
 
 DEFAULT_BODY = "mean-female"
 DART_LABELS = ("waist_dart_1", "waist_dart_2", "side_dart")
@@ -114,7 +115,7 @@ def draft_pattern(
             cannot be worn.
     """
     if kind not in KINDS:
-        raise DraftError(f"there is no kind {quoted(kind)}; {near(kind, KINDS)}")
+        raise DraftError(f"there is no kind {quoted(kind)}; {did_you_mean(kind, KINDS)}")
     if isinstance(body, str):
         body = measurements(body)
     else:

@@ -4,18 +4,17 @@ A design is a frozen dataclass whose fields are made with `parameter` (a number 
 `choice` (one of some options); a kind of garment offers some of them.
 """
 
-import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import isfinite
 from typing import Any
 
 from garmentimage.errors import DraftError, quoted
+from garmentimage.system import did_you_mean, join_words
 
 Value = float | int | str
 
 _KEY = "parameter"
-_OPTIONS_SHOWN = 12
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class Parameter:
                 if str(value) == str(option):
                     return option
             raise DraftError(
-                f"{self.name} is {quoted(str(value))}; choose {listed(self.options, 'or')}"
+                f"{self.name} is {quoted(str(value))}; choose {join_words(self.options)}"
             )
         number = _number(value)
         if number is None or not self.low <= number <= self.high:
@@ -83,28 +82,13 @@ def checked_values(
     """
     for name in given:
         if name not in parameters:
-            raise DraftError(f"{what} has no parameter {quoted(name)}; {near(name, parameters)}")
+            raise DraftError(
+                f"{what} has no parameter {quoted(name)}; {did_you_mean(name, parameters)}"
+            )
     return {
         name: p.checked(given[name]) if name in given else p.default
         for name, p in parameters.items()
     }
-
-
-def near(name: str, names: Iterable[str]) -> str:
-    """What may have been meant: the near names, or all of them."""
-    names = list(names)
-    close = difflib.get_close_matches(name, names)
-    if close:
-        return f"did you mean {listed(close, 'or')}"
-    more = len(names) - _OPTIONS_SHOWN
-    shown = [*names[:_OPTIONS_SHOWN], f"{more} more"] if more > 0 else names
-    return f"choose {listed(shown, 'or')}"
-
-
-def listed(things: Iterable[Value], word: str) -> str:
-    """Things as a sentence says them: a, b or c."""
-    *most, last = map(str, things)
-    return f"{', '.join(most)} {word} {last}" if most else last
 
 
 def _number(value: Any) -> float | None:

@@ -19,10 +19,11 @@ import numpy as np
 
 from garmentimage.body import BodyMeasurements, measurements, presets
 from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, Kind
-from garmentimage.draft.parameters import Parameter, Value, checked_values, near
+from garmentimage.draft.parameters import Parameter, Value, checked_values
 from garmentimage.draft.templates import Template
 from garmentimage.errors import DraftError, PatternError, quoted
 from garmentimage.pattern import Pattern
+from garmentimage.system import did_you_mean
 
 END_SHARE = 0.03
 """Share of draws that a number's lowest value has, and its highest: corners of the ranges occur."""
@@ -146,7 +147,7 @@ def _found(source: str | Source) -> Source:
     if not isinstance(source, str):
         return source
     if source not in KINDS:
-        raise DraftError(f"there is no kind {quoted(source)}; {near(source, KINDS)}")
+        raise DraftError(f"there is no kind {quoted(source)}; {did_you_mean(source, KINDS)}")
     return KINDS[source]
 
 

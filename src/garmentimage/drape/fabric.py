@@ -1,11 +1,11 @@
 """What a garment is made of: how cloth stretches, bends, weighs and slides."""
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from garmentimage.errors import DrapeError, quoted
+from garmentimage.system import did_you_mean
 
 _LIMITS = {
     "stretch": (1e3, 1e7, "dyn/cm"),
@@ -72,7 +72,5 @@ def load_fabric(name: str) -> Fabric:
         0.007
     """
     if name not in FABRICS:
-        near = difflib.get_close_matches(name, FABRICS, n=1)
-        hint = f"did you mean {near[0]}" if near else f"choose one of {', '.join(FABRICS)}"
-        raise DrapeError(f"there is no fabric {quoted(name)}; {hint}")
+        raise DrapeError(f"there is no fabric {quoted(name)}; {did_you_mean(name, FABRICS)}")
     return FABRICS[name]

@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Float32
 
 from garmentimage.dataset import draft_garment, load_recipe, task_from_id
-from garmentimage.draft import near
 from garmentimage.errors import LearnError, check_type, quoted
 from garmentimage.latent.space import LatentSpace
 from garmentimage.networks import Latent, Step, topology_of
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage
+from garmentimage.system import did_you_mean
 
 STEPS = 9
 SETTLE = 2
@@ -145,7 +145,9 @@ def generate(
     """
     types = tuple(sorted(set(space.garments.types)))
     if type_name is not None and type_name not in types:
-        raise LearnError(f"the network knows no type {quoted(type_name)}; {near(type_name, types)}")
+        raise LearnError(
+            f"the network knows no type {quoted(type_name)}; {did_you_mean(type_name, types)}"
+        )
     if not 1 <= count <= MOST_GARMENTS or seed < 0:
         raise LearnError(
             f"{count} garments of seed {seed}; give 1 to {MOST_GARMENTS}, and a seed from 0"

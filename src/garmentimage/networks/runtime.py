@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.draft import near
 from garmentimage.errors import LearnError, quoted
 from garmentimage.raster import CHANNEL_CONTRACT
-from garmentimage.system import shown_path
+from garmentimage.system import did_you_mean, shown_path
 
 SHIPPED = Path(str(files("garmentimage") / "weights"))
 """Where networks lie that come with the package."""
@@ -39,7 +38,7 @@ def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
         is_folder = False
     if is_folder:
         return Path(name)
-    ways = f"{near(str(name), known)}, or " if known else ""
+    ways = f"{did_you_mean(str(name), known)}, or " if known else ""
     raise LearnError(f"there is no {what} {quoted(str(name))}; {ways}name the folder of one")
 
 

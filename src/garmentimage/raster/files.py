@@ -31,17 +31,20 @@ from garmentimage.raster.panel_marks import mark_from_json, mark_to_json, read_t
 from garmentimage.system import (
     NPY_MAGIC,
     ZIP_MAGIC,
+    errors_about,
     npy_bytes,
     npz_bytes,
     parse_npy,
     parse_npz,
-    read_file,
+    read_limited,
     shown_path,
     write_atomically,
 )
 
 FORMAT = "garmentimage"
 VERSION = 1
+MAX_FILE_BYTES = 160 * 2**20
+"""Largest file that is read: 16 layers of 256 x 256 cells in float64 fit."""
 META_LIMIT = 4 * 2**20
 """Largest `meta` [bytes]."""
 _ARRAYS = ("meta", "inside", "edge_type", "deformation", "columns", "rows")
@@ -91,19 +94,14 @@ def load_image(
         ImageError: the file holds no GarmentImage; the message names the file.
     """
     path = Path(path)
-    data = read_file(path)
-    if data.startswith(NPY_MAGIC):
-        image = GarmentImage.from_channels(_channels(data, path, order), kind=kind)
-        return replace(image, name=path.stem)
-    if data.startswith(ZIP_MAGIC):
-        try:
-            return _from_arrays(parse_npz(data, shown_path(path), _ARRAYS), path)
-        except ImageError as error:
-            raise _naming(path, error) from None
-    raise ImageError(
-        f"{shown_path(path)}: not an .npz or .npy file; `garmentimage encode` turns a pattern into "
-        "one"
-    )
+    with errors_about(path):
+        data = _read(path)
+        if data.startswith(NPY_MAGIC):
+            image = GarmentImage.from_channels(_channels(data, order), kind=kind)
+            return replace(image, name=path.stem)
+        if data.startswith(ZIP_MAGIC):
+            return _from_arrays(parse_npz(data, _ARRAYS), path.stem)
+        raise ImageError("not an .npz or .npy file; `garmentimage encode` turns a pattern into one")
 
 
 def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) -> np.ndarray:
@@ -111,30 +109,35 @@ def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) 
 
     Arguments and errors are those of `load_image`.
     """
-    path = Path(path)
-    data = read_file(path)
-    if data.startswith(NPY_MAGIC):
-        return _channels(data, path, order)
+    with errors_about(path):
+        data = _read(path)
+        if data.startswith(NPY_MAGIC):
+            return _channels(data, order)
     return load_image(path).to_channels()
 
 
-def _channels(data: bytes, path: Path, order: ChannelOrder | str | None) -> np.ndarray:
+def _read(path: str | Path) -> bytes:
+    return read_limited(
+        path,
+        MAX_FILE_BYTES,
+        ImageError,
+        kind=".npz or .npy file",
+        too_large="a GarmentImage is far smaller",
+        must_be_ordinary=True,
+    )
+
+
+def _channels(data: bytes, order: ChannelOrder | str | None) -> np.ndarray:
+    array = check_channels(parse_npy(data))
     try:
-        array = check_channels(parse_npy(data, shown_path(path)))
         chosen = order_of(array) if order is None else ChannelOrder(order)
-        if chosen is ChannelOrder.AUTHORS:
-            if len(array) != 34:
-                raise ImageError(f"{len(array)} channels; the authors' layout has 34")
-            return channels_from_authors(array)
+    except ValueError as error:  # ImageErrors are ValueErrors, too
+        raise ImageError(str(error)) from None
+    if chosen is ChannelOrder.OURS:
         return array
-    except ValueError as error:
-        raise _naming(path, error) from None
-
-
-def _naming(path: Path, error: Exception) -> ImageError:
-    """The same error, naming the file once."""
-    text, name = str(error), shown_path(path)
-    return ImageError(text if text.startswith(name) else f"{name}: {text}")
+    if len(array) != 34:
+        raise ImageError(f"{len(array)} channels; the authors' layout has 34")
+    return channels_from_authors(array)
 
 
 def _to_arrays(image: GarmentImage) -> dict[str, np.ndarray]:
@@ -159,7 +162,7 @@ def _to_arrays(image: GarmentImage) -> dict[str, np.ndarray]:
     }
 
 
-def _from_arrays(arrays: dict[str, np.ndarray], path: Path) -> GarmentImage:
+def _from_arrays(arrays: dict[str, np.ndarray], stem: str) -> GarmentImage:
     meta = _meta(arrays["meta"])
     inside, edge_type, deformation = (arrays[k] for k in ("inside", "edge_type", "deformation"))
     layers, grid = _size(inside)
@@ -193,7 +196,7 @@ def _from_arrays(arrays: dict[str, np.ndarray], path: Path) -> GarmentImage:
         frame=BodyFrame(tuple(map(float, arrays["columns"])), tuple(map(float, arrays["rows"]))),
         layer_names=tuple(read_text(n) for n in names),
         marks=tuple(mark_from_json(mark, layers, grid) for mark in marks),
-        name=read_text(meta.get("name", "")) or path.stem,
+        name=read_text(meta.get("name", "")) or stem,
     )
 
 

@@ -15,7 +15,6 @@ from .npy import (
     npz_bytes as npz_bytes,
     parse_npy as parse_npy,
     parse_npz as parse_npz,
-    read_file as read_file,
 )
 from .processes import (
     Lost as Lost,
@@ -26,4 +25,12 @@ from .provenance import (
     source_commit as source_commit,
     versions as versions,
     weights_hash as weights_hash,
+)
+from .read import (
+    errors_about as errors_about,
+    read_limited as read_limited,
+)
+from .suggest import (
+    did_you_mean as did_you_mean,
+    join_words as join_words,
 )

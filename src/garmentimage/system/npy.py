@@ -6,22 +6,17 @@ header is believed only when the data that follows has exactly the size it tells
 
 import io
 import math
-import os
 import struct
 import tokenize
 import zipfile
 import zlib
-from pathlib import Path
 
 import numpy as np
 
 from garmentimage.errors import ImageError
-from garmentimage.system.files import shown_path
 
 NPY_MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK"
-FILE_LIMIT = 160 * 2**20
-"""Largest file that is read [bytes]: 16 layers of 256 x 256 cells in float64 fit."""
 ARCHIVE_LIMIT = 160 * 2**20
 """Largest sum of the unpacked arrays of an `.npz` [bytes]."""
 MEMBER_LIMIT = 64
@@ -41,35 +36,8 @@ _BAD_ARCHIVE = (
 )
 
 
-def read_file(path: Path) -> bytes:
-    """The bytes of a file of sensible size.
-
-    Raises:
-        ImageError: not a readable file, or larger than `FILE_LIMIT`.
-    """
-    try:
-        if not path.is_file():
-            reason = "is no ordinary file" if os.path.lexists(path) else "there is no such file"
-            raise ImageError(f"{shown_path(path)}: {'is a folder' if path.is_dir() else reason}")
-        size = path.stat().st_size
-        if size > FILE_LIMIT:
-            raise ImageError(
-                f"{shown_path(path)}: {size / 2**20:.0f} MiB; a GarmentImage is far smaller"
-            )
-        return path.read_bytes()
-    except (OSError, ValueError) as error:
-        if isinstance(error, ImageError):
-            raise
-        reason = getattr(error, "strerror", None) or _first_line(error)
-        raise ImageError(f"{shown_path(path)}: cannot be read ({reason})") from None
-
-
-def parse_npy(data: bytes, where: str) -> np.ndarray:
+def parse_npy(data: bytes) -> np.ndarray:
     """The array in the bytes of a `.npy` file, native byte order, read-only.
-
-    Args:
-        data: the whole file.
-        where: what to call it in messages.
 
     Raises:
         ImageError: not a `.npy` file, Python objects inside, or data that does not fit the header.
@@ -82,21 +50,21 @@ def parse_npy(data: bytes, where: str) -> np.ndarray:
         else:
             header = np.lib.format.read_array_header_2_0(stream)
     except (*_BAD_HEADER, RecursionError, MemoryError) as error:
-        raise ImageError(f"{where}: not a numpy array ({_first_line(error)})") from None
+        raise ImageError(f"not a numpy array ({_first_line(error)})") from None
     shape, fortran_order, dtype = header
     if dtype.kind not in "biuf":
-        raise ImageError(f"{where}: holds {dtype.kind!r} values, wanted plain numbers")
+        raise ImageError(f"it holds {dtype.kind!r} values, wanted plain numbers")
     if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != len(data) - stream.tell():
-        raise ImageError(f"{where}: the header tells of shape {shape}, the data has another size")
+        raise ImageError(f"the header says shape {shape}, the data has another size")
     flat = np.frombuffer(data, dtype=dtype, offset=stream.tell())
     try:
         array = flat.reshape(shape, order="F" if fortran_order else "C")
     except (ValueError, TypeError) as error:  # A thousand axes, or an empty one beside a huge one.
-        raise ImageError(f"{where}: not a numpy array ({_first_line(error)})") from None
+        raise ImageError(f"not a numpy array ({_first_line(error)})") from None
     return array.astype(dtype.newbyteorder("="), copy=False)
 
 
-def parse_npz(data: bytes, where: str, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
+def parse_npz(data: bytes, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     """The wanted arrays in the bytes of an `.npz` file.
 
     Raises:
@@ -106,23 +74,27 @@ def parse_npz(data: bytes, where: str, wanted: tuple[str, ...]) -> dict[str, np.
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = {info.filename: info for info in archive.infolist()}
             if len(members) > MEMBER_LIMIT:
-                raise ImageError(f"{where}: {len(members)} arrays; a GarmentImage has fewer")
+                raise ImageError(f"{len(members)} arrays; a GarmentImage has fewer")
             missing = [name for name in wanted if f"{name}.npy" not in members]
             if missing:
-                raise ImageError(
-                    f"{where}: not a GarmentImage, the array {missing[0]!r} is missing"
-                )
+                raise ImageError(f"not a GarmentImage, the array {missing[0]!r} is missing")
             chosen = {name: members[f"{name}.npy"] for name in wanted}
             if any(info.compress_type not in PACKINGS for info in chosen.values()):
-                raise ImageError(f"{where}: packed in a way that no .npz is; save it again")
+                raise ImageError("packed in a way that no .npz is; save it again")
             if sum(info.file_size for info in chosen.values()) > ARCHIVE_LIMIT:
-                raise ImageError(f"{where}: unpacks to more than {ARCHIVE_LIMIT / 2**20:.0f} MiB")
+                raise ImageError(f"unpacks to more than {ARCHIVE_LIMIT / 2**20:.0f} MiB")
             parts = {name: _unpacked(archive, info) for name, info in chosen.items()}
     except _BAD_ARCHIVE as error:
         if isinstance(error, ImageError):
             raise
-        raise ImageError(f"{where}: a damaged archive ({_first_line(error)})") from None
-    return {name: parse_npy(part, f"{where}, {name}") for name, part in parts.items()}
+        raise ImageError(f"a damaged archive ({_first_line(error)})") from None
+    arrays = {}
+    for name, part in parts.items():
+        try:
+            arrays[name] = parse_npy(part)
+        except ImageError as error:
+            raise ImageError(f"array {name!r}: {error}") from None
+    return arrays
 
 
 def _unpacked(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:

@@ -17,7 +17,6 @@ Parameters are applied in that order, then constraints: each scales its runs of 
 extent. A drawn pattern holds the same fields with its values, and is read as its template again.
 """
 
-import difflib
 import os
 import warnings
 from collections.abc import Mapping, Sequence
@@ -40,10 +39,7 @@ from garmentimage.errors import PatternError, PatternFileError, PatternWarning, 
 from garmentimage.pattern import Pattern
 from garmentimage.pattern.checks import check_pattern, panel_place
 from garmentimage.pattern.files import LongInteger, parse, read_bytes, read_spec, without
-from garmentimage.system import shown_path
-
-NAMES_SHOWN = 20
-"""Names of parameters that a message gives."""
+from garmentimage.system import did_you_mean, errors_about, shown_path
 
 
 @dataclass(frozen=True)
@@ -66,15 +62,13 @@ class Template:
             PatternFileError: the file cannot be read, or is no template.
             PatternError: names the parameter, or the panel and edge, that cannot be.
         """
-        try:
-            data = parse(read_bytes(path))
+        with errors_about(path):
+            try:
+                data = parse(read_bytes(path))
+            except LongInteger:
+                raise PatternFileError("holds a number of thousands of digits; remove it") from None
             pattern, found = read_spec(data, Path(path).stem)
             parts = read_parts(data, pattern)
-        except LongInteger:
-            fault = "holds a number of thousands of digits; remove it"
-            raise PatternFileError(f"{shown_path(path)}: {fault}") from None
-        except PatternError as error:
-            raise type(error)(f"{shown_path(path)}: {error}") from None
         for finding in found:
             warnings.warn(f"{shown_path(path)}: {finding}", PatternWarning, stacklevel=2)
         return cls(parts.pattern, parts.parameters, parts.constraints)
@@ -122,11 +116,8 @@ class Template:
         return outlines, factors
 
     def _unknown(self, name: str) -> str:
-        near = difflib.get_close_matches(name, self.parameters, n=1)
-        hint = f"did you mean {quoted(near[0])}? " if near else ""
-        known = ", ".join(quoted(other) for other in list(self.parameters)[:NAMES_SHOWN])
-        more = ", ..." if len(self.parameters) > NAMES_SHOWN else ""
-        return f"{parameter_place(name)}: there is none; {hint}the template has {known}{more}"
+        hint = did_you_mean(quoted(name), map(quoted, self.parameters))
+        return f"{parameter_place(name)}: there is none; {hint}"
 
 
 def _check_sides(template: Pattern, drawn: Pattern) -> None:

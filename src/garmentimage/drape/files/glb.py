@@ -11,7 +11,6 @@ import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from io import BytesIO
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -31,7 +30,7 @@ from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import DrapeError, GarmentImageError
 from garmentimage.pattern import Side
 from garmentimage.pattern.files import pattern_to_spec, read_spec
-from garmentimage.system import safe_name, shown_path
+from garmentimage.system import errors_about, read_limited, safe_name
 
 SCHEMA = 1
 """Version of what `extras.garmentimage` holds."""
@@ -42,7 +41,7 @@ METRE = 100.0
 """[cm]"""
 UV_CM = 100.0
 """Cloth that one unit of UV stands for [cm]."""
-FILE_LIMIT = 200_000_000
+MAX_FILE_BYTES = 200_000_000
 """Bytes of a file."""
 MAX_OFFSET = 100.0
 """Nothing in a file lies farther off [m]."""
@@ -152,10 +151,11 @@ def load_worn(path: str | os.PathLike[str]) -> Worn:
     Raises:
         DrapeError: the file cannot be read, or does not hold a garment and a body of ours.
     """
-    try:
-        return read_glb(_bytes(path))
-    except DrapeError as error:
-        raise DrapeError(f"{shown_path(path)}: {error}") from None
+    with errors_about(path):
+        raw = read_limited(
+            path, MAX_FILE_BYTES, DrapeError, kind="GLB file", too_large="drape with fewer vertices"
+        )
+        return read_glb(raw)
 
 
 def read_glb(raw: bytes) -> Worn:
@@ -187,18 +187,6 @@ def read_glb(raw: bytes) -> Worn:
         # Whatever unpacking raises where a value is missing or of another kind.
         reason = "a value is missing or of another type"
     raise DrapeError(f"holds a damaged garment ({reason}); drape the pattern again")
-
-
-def _bytes(path: str | os.PathLike[str]) -> bytes:
-    try:
-        with Path(path).open("rb") as file:
-            raw = file.read(FILE_LIMIT + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise DrapeError(f"cannot be read ({reason}); name a GLB file") from None
-    if len(raw) > FILE_LIMIT:
-        raise DrapeError(f"is larger than {FILE_LIMIT // 1_000_000} MB")
-    return raw
 
 
 def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> Worn:

@@ -11,10 +11,9 @@ from jaxtyping import Bool, Float32, Int16, UInt8
 from torch import Tensor
 
 from garmentimage.dataset import raster_arrays, read_tables, shard_files, shard_metadata
-from garmentimage.draft import near
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.learn.data.rasters import Rasters, from_channels
-from garmentimage.system import shown_path
+from garmentimage.system import did_you_mean, shown_path
 
 PICTURE, PANELS = "picture_front", "panels"
 BODY = 1
@@ -115,7 +114,9 @@ def read_album(folder: str | Path, split: str, *, without: Collection[str] = ())
     known = shard_metadata(shard_files(folder, split)[0]).types
     for name in without:
         if name not in known:
-            raise DatasetError(f"the dataset has no type {quoted(name)}; {near(name, known)}")
+            raise DatasetError(
+                f"the dataset has no type {quoted(name)}; {did_you_mean(name, known)}"
+            )
     for table in read_tables(folder, split, [*told, "raster", PICTURE, PANELS]):
         kinds = table["type"].to_pylist()
         kept = [k for k, name in enumerate(kinds) if name not in without]

@@ -3,14 +3,13 @@
 import json
 import math
 import os
-from pathlib import Path
 from typing import Any
 
 from garmentimage.errors import PatternError, PatternFileError, quoted
+from garmentimage.system import read_limited
 
-FILE_LIMIT = 100_000_000
-"""Bytes of a file."""
-NESTING_LIMIT = 100
+MAX_FILE_BYTES = 100_000_000
+MAX_NESTING = 100
 """Objects and lists within each other."""
 OTHER_KINDS = (
     # (first bytes, what such a file is)
@@ -23,19 +22,9 @@ OTHER_KINDS = (
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
     """The whole file, or a PatternFileError that says why it cannot be had."""
-    try:
-        with Path(path).open("rb") as file:
-            raw = file.read(FILE_LIMIT + 1)
-    except FileNotFoundError:
-        raise PatternFileError("there is no such file; check its name") from None
-    except IsADirectoryError:
-        raise PatternFileError("is a folder; name a pattern file in it") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise PatternFileError(f"cannot be read ({reason})") from None
-    if len(raw) > FILE_LIMIT:
-        raise PatternFileError(f"is larger than {FILE_LIMIT // 1_000_000} MB; no pattern is")
-    return raw
+    return read_limited(
+        path, MAX_FILE_BYTES, PatternFileError, kind="pattern file", too_large="no pattern is"
+    )
 
 
 class LongInteger(Exception):
@@ -99,7 +88,7 @@ def capped_integer(text: str) -> int | float:
 def check_nesting(data: Any) -> None:
     """Refuse values that nest too deep to be compared or written again."""
     level = [data] if isinstance(data, (dict, list)) else []
-    for _ in range(NESTING_LIMIT):
+    for _ in range(MAX_NESTING):
         if not level:
             return
         level = [
@@ -112,4 +101,4 @@ def check_nesting(data: Any) -> None:
 
 
 def _too_deep() -> str:
-    return f"nests objects and lists more than {NESTING_LIMIT} deep; no pattern does"
+    return f"nests objects and lists more than {MAX_NESTING} deep; no pattern does"

@@ -23,7 +23,7 @@ import json
 import os
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from garmentimage.errors import PatternError, PatternFileError, PatternWarning, check_type
 from garmentimage.pattern.files.json_file import (
@@ -37,7 +37,7 @@ from garmentimage.pattern.files.spec_reader import read_values
 from garmentimage.pattern.files.spec_writer import pattern_to_spec
 from garmentimage.pattern.finding import Finding
 from garmentimage.pattern.model import Pattern
-from garmentimage.system import shown_path, write_atomically
+from garmentimage.system import errors_about, shown_path, write_atomically
 
 __all__ = [
     "load_pattern",
@@ -69,14 +69,12 @@ def read_pattern(path: str | os.PathLike[str]) -> tuple[Pattern, tuple[Finding, 
     Raises:
         PatternFileError, PatternError, StitchError: as `load_pattern`.
     """
-    try:
+    with errors_about(path):
         raw = read_bytes(path)
         try:
             return read_spec(parse(raw), name=Path(path).stem)
         except LongInteger:
-            return _refuse_long_integers(raw)
-    except PatternError as error:
-        raise type(error)(f"{shown_path(path)}: {error}") from None
+            _refuse_long_integers(raw)
 
 
 def pattern_from_spec(data: Any, name: str = "") -> Pattern:
@@ -97,7 +95,7 @@ def read_spec(data: Any, name: str = "") -> tuple[Pattern, tuple[Finding, ...]]:
     return read_values(data, name)
 
 
-def _refuse_long_integers(raw: bytes) -> Any:
+def _refuse_long_integers(raw: bytes) -> NoReturn:
     """Read again with such numbers as infinite, so that the error can name their place."""
     read_spec(parse(raw, parse_int=capped_integer))
     raise PatternFileError("holds a number of thousands of digits; remove it")
