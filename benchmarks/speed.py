@@ -37,17 +37,20 @@ from garmentimage.pattern.files.spec import read_pattern
 FRESH_REPEATS = 5
 NAME_WIDTH = 48
 STAGES = {
-    "placing, splitting, seams": (("place.py", "place"), ("complex.py", "seam_complex")),
-    "layout": (("layout.py", "draw"),),
+    "placing, splitting, seams": (
+        ("placement.py", "place"),
+        ("seam_graph.py", "build_seam_graph"),
+    ),
+    "layout": (("solve.py", "draw"),),
     "routing": (("route.py", "route"),),
     "compaction": (("attempts.py", "_compacted"),),
     "polish": (("polish.py", "polish"),),
     "symmetry and numbering": (
         ("symmetry.py", "find_mirror"),
-        ("symmetry.py", "halve"),
+        ("symmetry.py", "right_half"),
         ("canonical.py", "canonical"),
     ),
-    "deformation": (("encode.py", "_deform"),),
+    "deformation": (("encoder.py", "_deform"),),
     "proof": (("proof.py", "disproof"),),
 }
 """Functions that the stages of encoding are told from."""
@@ -152,7 +155,7 @@ def stage_shares(paths: list[Path], grid: int) -> dict[str, float]:
     for (file, _, name), row in pstats.Stats(profile).stats.items():  # type: ignore[attr-defined]
         key = Path(file).name, name
         taken[key] = taken.get(key, 0.0) + row[3]
-    whole = taken["encode.py", "encode"]
+    whole = taken["encoder.py", "encode"]
     shares = {
         s: sum(taken.get(f, 0.0) for f in functions) / whole for s, functions in STAGES.items()
     }

@@ -18,8 +18,8 @@ from garmentimage.raster.encode.lattice.drawing import drawing_of, joined_links,
 from garmentimage.raster.encode.lattice.polish import polish
 from garmentimage.raster.encode.lattice.rotation import departures
 from garmentimage.raster.encode.lattice.route import route
-from garmentimage.raster.encode.lattice.symmetry import find_mirror, halve
-from garmentimage.raster.encode.layout.seam_graph import seam_complex
+from garmentimage.raster.encode.lattice.symmetry import find_mirror, right_half
+from garmentimage.raster.encode.layout.seam_graph import build_seam_graph
 from garmentimage.raster.encode.layout.solve import layouts
 from garmentimage.raster.encode.placement import place
 from garmentimage.raster.frame import BodyFrame
@@ -30,7 +30,7 @@ FINE = 8
 
 
 def first_layout(garment):
-    return next(iter(layouts(seam_complex(place(garment)))))
+    return next(iter(layouts(build_seam_graph(place(garment)))))
 
 
 def plain_drawing(garment, grid=16):
@@ -40,15 +40,15 @@ def plain_drawing(garment, grid=16):
 
 def assert_disjoint(drawing, paths):
     """Every path is a lattice path between its nodes, and no vertex of a layer has two owners."""
-    owner = {}
+    owner, arcs = {}, drawing.arcs
     for i, path in enumerate(paths):
         assert (np.abs(np.diff(path, axis=0)).sum(axis=1) == 1).all()
         last = len(path) - 1
         for k, vertex in enumerate(map(tuple, path.tolist())):
-            end = drawing.tail[i] if k == 0 else drawing.head[i] if k == last else None
+            end = arcs.tail[i] if k == 0 else arcs.head[i] if k == last else None
             name = ("node", int(end)) if end is not None else ("arc", i, k)
             for layer in (0, 1):
-                if drawing.layers[i] >> layer & 1:
+                if arcs.layers[i] >> layer & 1:
                     assert owner.setdefault((layer, vertex), name) == name
 
 
@@ -87,11 +87,11 @@ def test_polishing_twice_changes_nothing(garment):
 @given(garments())
 def test_arcs_leave_a_node_in_different_directions(garment):
     drawing = plain_drawing(garment)
-    leaving = departures(drawing)
+    leaving, arcs = departures(drawing), drawing.arcs
     for layer in (0, 1):
         taken = set()
-        for i in np.flatnonzero(drawing.layers >> layer & 1):
-            for node, direction in zip((drawing.tail[i], drawing.head[i]), leaving[i]):
+        for i in np.flatnonzero(arcs.on_layer(layer)):
+            for node, direction in zip((arcs.tail[i], arcs.head[i]), leaving[i], strict=True):
                 if direction >= 0:
                     assert (node, direction) not in taken
                     taken.add((node, direction))
@@ -115,29 +115,34 @@ def test_panels_far_off_the_body_are_refused_by_their_spread():
 
 @pytest.mark.parametrize("arc", range(6))
 def test_an_arc_without_length_is_drawn_inside_the_grid(arc):
-    """Its vertices once had no weight and so no place: numbers that are none became indices."""
+    """Its vertices once had no weight and so no place: NaN became indices."""
     drawing = plain_drawing(draft_pattern("tee"))
-    curves, nodes = list(drawing.curves), drawing.node_target.copy()
+    nodes, arcs = drawing.nodes, drawing.arcs
+    curves, target = list(arcs.curves), nodes.target.copy()
     curves[arc] = np.repeat(curves[arc][:1], len(curves[arc]), axis=0)
-    nodes[drawing.head[arc]] = nodes[drawing.tail[arc]]
-    crushed = replace(drawing, curves=tuple(curves), node_target=nodes)
-    coarse, wishes = compacted(crushed, route(crushed, FINE, 9.0, in_order=False), 1, 15)
-    assert np.isfinite(np.concatenate(wishes)).all()
+    target[arcs.head[arc]] = target[arcs.tail[arc]]
+    crushed = replace(
+        drawing,
+        nodes=replace(nodes, target=target),
+        arcs=replace(arcs, curves=tuple(curves)),
+    )
+    coarse, targets = compacted(crushed, route(crushed, FINE, 9.0, in_order=False), 1, 15)
+    assert np.isfinite(np.concatenate(targets)).all()
     assert_disjoint(crushed, polish(crushed, coarse, 1, 15))
 
 
 def test_a_garment_without_a_place_is_refused():
     drawing = plain_drawing(draft_pattern("tee"))
-    lost = tuple(curve * np.nan for curve in drawing.curves)
+    lost = replace(drawing.arcs, curves=tuple(c * np.nan for c in drawing.arcs.curves))
     with pytest.raises(EncodeError, match="no place on the grid"):
-        route(replace(drawing, curves=lost), FINE, 5.0)
+        route(replace(drawing, arcs=lost), FINE, 5.0)
 
 
 def test_a_symmetric_garment_is_drawn_as_a_half_and_unfolds_to_a_symmetric_whole():
     layout = first_layout(Pattern((_rectangle("front", 40.0, 50.0),)))
     mirror = find_mirror(layout)
     assert mirror is not None
-    half = halve(drawing_of(layout, BodyFrame.standard(16)), mirror)
+    half = right_half(drawing_of(layout, BodyFrame.standard(16)), mirror)
     assert half is not None
     paths = joined_links(half.drawing, lattice_paths(half.drawing, FINE, 5.0))
     whole = half.unfold(paths)
@@ -154,20 +159,8 @@ def test_canonical_numbering_forgets_order_and_direction():
     drawing = drawing_of(
         first_layout(Pattern((_rectangle("p", 30.0, 40.0),))), BodyFrame.standard(16)
     )
-    order = np.arange(drawing.arc_count)[::-1]
-    shuffled = replace(
-        drawing,
-        tail=drawing.head[order],
-        head=drawing.tail[order],
-        layers=drawing.layers[order],
-        free=drawing.free[order],
-        on_axis=drawing.on_axis[order],
-        curves=tuple(drawing.curves[i][::-1] for i in order),
-        least=drawing.least[order],
-        need=drawing.need[order],
-        wish=drawing.wish[order],
-        weight=drawing.weight[order],
-    )
+    order = np.arange(len(drawing.arcs))[::-1]
+    shuffled = replace(drawing, arcs=drawing.arcs.take(order).with_reversed([True] * len(order)))
     a, b = lattice_paths(drawing, FINE, 5.0), lattice_paths(shuffled, FINE, 5.0)
     for i, path in zip(order, b):
         assert np.array_equal(a[i], path[::-1])

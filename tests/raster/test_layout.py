@@ -11,8 +11,8 @@ from garmentimage import EncodeError
 from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.encode.layout.relax import one_sided_forces
-from garmentimage.raster.encode.layout.seam_graph import seam_complex
-from garmentimage.raster.encode.layout.solve import FIRST, MOST_ARCS, layouts
+from garmentimage.raster.encode.layout.seam_graph import build_seam_graph
+from garmentimage.raster.encode.layout.solve import FIRST, MAX_ARCS, layouts
 from garmentimage.raster.encode.placement import place
 from tests.corpus import corpus_sample
 from tests.garments import designs, garment, garments
@@ -26,7 +26,7 @@ LIPSCHITZ_MEAN, LIPSCHITZ_MAX = 1.0, 5.0
 
 
 def first_layout(pattern):
-    return next(layouts(seam_complex(place(pattern))))
+    return next(layouts(build_seam_graph(place(pattern))))
 
 
 def moved(pattern, size, seed):
@@ -44,10 +44,10 @@ def moved(pattern, size, seed):
 
 def by_side(layout):
     """Curves by the side that they are drawn for, in the side's own direction."""
-    panels = layout.complex.placed.panels
+    panels = layout.graph.placed.panels
     return {
         (panels[p].name, edge): curve[::-1] if back else curve
-        for arc, curve in zip(layout.complex.arcs, layout.curves)
+        for arc, curve in zip(layout.graph.arcs, layout.curves)
         for p, edge, back in arc.sides
     }
 
@@ -73,7 +73,7 @@ def test_plain_garments_are_clean_at_the_first_step(garment):
 def test_arcs_that_meet_share_their_end_points_exactly(garment):
     layout = first_layout(garment)
     at = {}
-    for arc, curve in zip(layout.complex.arcs, layout.curves):
+    for arc, curve in zip(layout.graph.arcs, layout.curves):
         for node, point in ((arc.a, curve[0]), (arc.b, curve[-1])):
             assert (at.setdefault(node, point) == point).all()
 
@@ -90,7 +90,7 @@ def test_order_and_names_do_not_matter(garment, random):
     random.shuffle(panels)
     random.shuffle(stitches)
     a, b = first_layout(garment), first_layout(Pattern(tuple(panels), tuple(stitches)))
-    assert [arc.layers for arc in a.complex.arcs] == [arc.layers for arc in b.complex.arcs]
+    assert [arc.layers for arc in a.graph.arcs] == [arc.layers for arc in b.graph.arcs]
     assert np.allclose(np.concatenate(a.curves), np.concatenate(b.curves), atol=1e-6)
 
 
@@ -156,7 +156,7 @@ def test_panels_on_top_of_each_other_are_named():
     first = rectangle("pocket", 10, 10, (0, 70, 20))
     pattern = tube()
     placed = Pattern((*pattern.panels, first), pattern.stitches)
-    drawn = list(layouts(seam_complex(place(placed))))
+    drawn = list(layouts(build_seam_graph(place(placed))))
     assert all("pocket" in " ".join(layout.problems) for layout in drawn if layout.problems)
     assert [bool(layout.problems) for layout in drawn] == sorted(
         bool(layout.problems) for layout in drawn
@@ -164,14 +164,14 @@ def test_panels_on_top_of_each_other_are_named():
 
 
 def test_layouts_come_lazily_and_every_step_is_drawn_once():
-    drawn = list(layouts(seam_complex(place(tube()))))
+    drawn = list(layouts(build_seam_graph(place(tube()))))
     stages = [layout.stage for layout in drawn]
     assert stages[0] == FIRST
     assert len(set(stages)) == len(stages)
 
 
 def test_more_edges_than_any_grid_has_room_for_are_refused():
-    turn = np.linspace(0, 2 * np.pi, MOST_ARCS + 2)[:-1]
+    turn = np.linspace(0, 2 * np.pi, MAX_ARCS + 2)[:-1]
     radius = np.where(np.arange(len(turn)) % 2, 30.0, 28.0)
     star = list(zip((radius * np.cos(turn)).tolist(), (radius * np.sin(turn)).tolist()))
     pattern = Pattern((polygon("star", star, (0.0, 100.0, 20.0)),))
@@ -198,7 +198,7 @@ def test_nearly_all_real_garments_are_clean_at_the_first_step():
     clean, total = 0, 0
     for path in corpus_sample(60):
         try:
-            graph = seam_complex(place(read_pattern(path)[0]))
+            graph = build_seam_graph(place(read_pattern(path)[0]))
         except EncodeError:
             continue
         first = next(layouts(graph))

@@ -11,7 +11,7 @@ from garmentimage.geometry.polygons import polyline_length, signed_area
 from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern, loop_from_curves
 from garmentimage.pattern.placement import PELVIS_HEIGHT, floor_shift
-from garmentimage.raster.encode.layout.seam_graph import seam_complex
+from garmentimage.raster.encode.layout.seam_graph import build_seam_graph
 from garmentimage.raster.encode.placement import place
 from garmentimage.raster.image import EdgeType
 from tests.corpus import corpus_sample
@@ -63,7 +63,7 @@ def test_both_sides_of_a_seam_have_the_same_face_out(garment):
 @laws
 @given(garments())
 def test_every_edge_lies_on_one_arc_between_two_nodes(garment):
-    graph = seam_complex(place(garment))
+    graph = build_seam_graph(place(garment))
     assert all(arc.a != arc.b for arc in graph.arcs)
     sides = [(p, e) for arc in graph.arcs for p, e, _ in arc.sides]
     assert len(set(sides)) == len(sides)
@@ -75,7 +75,7 @@ def test_every_edge_lies_on_one_arc_between_two_nodes(garment):
 @laws
 @given(garments())
 def test_edges_of_a_panel_meet_at_nodes(garment):
-    graph = seam_complex(place(garment))
+    graph = build_seam_graph(place(garment))
     for i, panel in enumerate(graph.placed.panels):
         for loop in panel.loops:
             for k, following in zip(loop, (*loop[1:], loop[0])):
@@ -124,7 +124,7 @@ def test_a_wrapping_panel_is_cut_in_two_halves_with_a_seam():
     placed = place(gored_tube())
     halves = [p for p in placed.panels if p.source == "gore"]
     assert sorted(p.layer for p in halves) == [0, 1]
-    assert all(p.half for p in halves)
+    assert all(p.is_part for p in halves)
     (cut,) = [s for s in placed.seams if s.cut]
     assert {placed.panels[cut.a[0]].source, placed.panels[cut.b[0]].source} == {"gore"}
     area = sum(abs(signed_area(p.outline)) for p in halves)
@@ -139,12 +139,12 @@ def test_halves_are_cut_halfway_along_the_hem_wherever_the_depth_lies():
             for p in pattern.panels
         ]
         placed = place(Pattern(tuple(panels), pattern.stitches))
-        for half in (p for p in placed.panels if p.half):
+        for half in (p for p in placed.panels if p.is_part):
             assert lengths(half) == [15, 15, 60, 60]
 
 
 def test_halves_are_unrolled_away_from_the_axis():
-    for half in (p for p in place(gored_tube()).panels if p.half):
+    for half in (p for p in place(gored_tube()).panels if p.is_part):
         cut = [c for c in half.curves if np.ptp(c[:, 1]) > 59]
         outer, inner = max(cut, key=lambda c: c[0, 0]), min(cut, key=lambda c: c[0, 0])
         assert outer[0, 0] - inner[0, 0] == pytest.approx(15)
@@ -180,7 +180,7 @@ def test_a_hole_goes_with_its_half():
     moved = replace(hole, vertices=tuple((x - 8, y) for x, y in hole.vertices))
     pattern = gored_tube()
     panels = [replace(p, holes=(moved,)) if p.name == "gore" else p for p in pattern.panels]
-    halves = [p for p in place(Pattern(tuple(panels), pattern.stitches)).panels if p.half]
+    halves = [p for p in place(Pattern(tuple(panels), pattern.stitches)).panels if p.is_part]
     assert sorted(len(p.loops) for p in halves) == [1, 2]
     assert [len(p.loops) for p in halves if p.layer == 0] == [2]
 
@@ -204,7 +204,7 @@ def test_right_side_to_wrong_side_needs_a_second_cloth_layer():
 def test_a_dart_is_a_slit():
     points = [(-20, -20), (20, -20), (20, 20), (3, 20), (0, 8), (-3, 20), (-20, 20)]
     front = polygon("front", points, (0.0, 100.0, 20.0))
-    graph = seam_complex(place(Pattern((front,), (stitch("front", 3, "front", 4),))))
+    graph = build_seam_graph(place(Pattern((front,), (stitch("front", 3, "front", 4),))))
     (dart,) = [arc for arc in graph.arcs if arc.slit]
     assert dart.kind == EdgeType.SIDE_BY_SIDE
     assert graph.node_count == 6
@@ -213,7 +213,7 @@ def test_a_dart_is_a_slit():
 def test_an_edge_that_closes_on_itself_is_split():
     """A one-piece tube: sewing its sides together closes its top and its bottom to rings."""
     panel = rectangle("tube", 60, 40, (0, 100, 20))
-    graph = seam_complex(place(Pattern((panel,), (stitch("tube", LEFT, "tube", RIGHT),))))
+    graph = build_seam_graph(place(Pattern((panel,), (stitch("tube", LEFT, "tube", RIGHT),))))
     assert len(graph.arcs) == 5
     assert all(arc.a != arc.b for arc in graph.arcs)
 
@@ -223,11 +223,11 @@ def test_a_bag_is_refused():
     panel = polygon("bag", points, (0.0, 100.0, 20.0))
     seams = (stitch("bag", 0, "bag", 3), stitch("bag", 1, "bag", 2))
     with pytest.raises(EncodeError, match="'bag'"):
-        seam_complex(place(Pattern((panel,), seams)))
+        build_seam_graph(place(Pattern((panel,), seams)))
 
 
 def test_seams_between_the_layers_are_front_to_back():
-    kinds = [arc.kind for arc in seam_complex(place(tube())).arcs]
+    kinds = [arc.kind for arc in build_seam_graph(place(tube())).arcs]
     assert kinds.count(EdgeType.FRONT_TO_BACK) == 2
     assert kinds.count(EdgeType.NON_STITCH) == 4
 
@@ -239,7 +239,7 @@ def test_real_garments_have_sides_that_face_out_on_both_layers():
     for path in corpus_sample(60):
         pattern, _ = read_pattern(path)
         try:
-            graph = seam_complex(place(pattern))
+            graph = build_seam_graph(place(pattern))
         except EncodeError as error:
             assert "second cloth layer" in str(error)
             continue

@@ -9,7 +9,7 @@ from garmentimage.compare.judging import judge
 from garmentimage.geometry.curves import Arc, Line
 from garmentimage.geometry.polygons import polyline_length
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
-from garmentimage.raster.encode.layout.seam_graph import seam_complex
+from garmentimage.raster.encode.layout.seam_graph import build_seam_graph
 from garmentimage.raster.encode.layout.solve import FIRST, layouts
 from garmentimage.raster.encode.layout.unbend import WIDEST, unrolled
 from garmentimage.raster.encode.placement import place
@@ -106,7 +106,7 @@ def test_a_bodice_with_a_wide_neckline_rests_as_it_was_cut():
 @given(sweeps, st.floats(15.0, 70.0))
 def test_a_circle_skirt_of_any_sweep_is_clean_at_the_first_step_and_comes_back(sweep, length):
     skirt = circle_skirt(sweep, length)
-    layout = next(layouts(seam_complex(place(skirt))))
+    layout = next(layouts(build_seam_graph(place(skirt))))
     assert (layout.stage, layout.problems) == (FIRST, ())
     outcome = judge(skirt, decode(encode(skirt, 32)))
     assert outcome.success, outcome.reasons

@@ -21,7 +21,7 @@ from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.decode import divisions_on, shares_along
 from garmentimage.raster.encode.deform import deform_quad_mesh
 from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
-from garmentimage.raster.encode.layout import Layout, SeamComplex, layouts, seam_complex
+from garmentimage.raster.encode.layout import Layout, SeamGraph, build_seam_graph, layouts
 from garmentimage.raster.encode.placement import Placed, PlacedPanel, place
 from garmentimage.raster.encode.proof import Bows, bowed, disproof
 from garmentimage.raster.frame import BodyFrame
@@ -86,34 +86,36 @@ def _encoded(pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bo
             raise EncodeError("all its panels face the body", remedy="pattern")
         pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
         placed = place(pattern)
-    layouts_ = _Kept(layouts(seam_complex(placed)))
-    graph = stitch_graph(pattern) if verify else None
+    layouts_ = _Kept(layouts(build_seam_graph(placed)))
+    expected = stitch_graph(pattern) if verify else None
     if frame is not None:
-        return _encode(pattern, graph, layouts_, frame)
+        return _encode(pattern, expected, layouts_, frame)
     try:
-        return _encode(pattern, graph, layouts_, BodyFrame.standard(grid))
+        return _encode(pattern, expected, layouts_, BodyFrame.standard(grid))
     except EncodeError as error:
         if error.remedy == "pattern" or unknown_place(pattern) is not None:
             raise
         tried = [larger for larger in LARGER_GRIDS if larger > grid]
         for larger in tried:
             try:
-                _encode(pattern, graph, layouts_, BodyFrame.standard(larger))
+                _encode(pattern, expected, layouts_, BodyFrame.standard(larger))
             except EncodeError:
                 continue
             raise EncodeError(
                 f"{error}; it fits a grid of {larger}: --grid {larger}, or grid={larger} in Python",
                 grid=larger,
             ) from None
-        raise _final(error, tried, placed, graph or stitch_graph(pattern)) from None
+        raise _final(error, tried, placed, expected or stitch_graph(pattern)) from None
 
 
-def _final(error: EncodeError, tried: list[int], placed: Placed, graph: StitchGraph) -> EncodeError:
+def _final(
+    error: EncodeError, tried: list[int], placed: Placed, expected: StitchGraph
+) -> EncodeError:
     """The error where no grid will do: it names the cause, which may not be the grid at all."""
-    whole = {panel.source for panel in placed.panels if not panel.half}
-    for side in graph.sides:
-        other = graph.sides[side.partner]
-        apart = dist(side.middle, other.middle) > TUBE_SHARE * graph.panels[side.panel].size
+    whole = {panel.source for panel in placed.panels if not panel.is_part}
+    for side in expected.sides:
+        other = expected.sides[side.partner]
+        apart = dist(side.middle, other.middle) > TUBE_SHARE * expected.panels[side.panel].size
         if other.panel == side.panel and side.panel in whole and apart:
             return EncodeError(
                 f"panel {quoted(side.panel)} is sewn to itself to a tube, which does not lie flat; "
@@ -140,7 +142,7 @@ class _Kept:
 
 
 def _encode(
-    pattern: Pattern, graph: StitchGraph | None, layouts_: _Kept, frame: BodyFrame
+    pattern: Pattern, expected: StitchGraph | None, layouts_: _Kept, frame: BodyFrame
 ) -> GarmentImage:
     """The first image that brings the pattern back; without its graph, that keeps its shapes.
 
@@ -154,20 +156,20 @@ def _encode(
             try:
                 if isinstance(paths, EncodeError):
                     raise paths
-                image = _image(pattern, layout.complex, paths, frame)
+                image = _image(pattern, layout.graph, paths, frame)
                 drawn.append(paths)
-                reason = lost_shape(layout.complex, paths)
-                if not reason and graph is not None:
-                    reason = disproof(pattern, graph, image).reason
+                reason = lost_shape(layout.graph, paths)
+                if not reason and expected is not None:
+                    reason = disproof(pattern, expected, image).reason
                 if not reason:
                     return image
                 raise EncodeError(reason)
             except EncodeError as error:
                 first = first or error
-        if graph is None:
+        if expected is None:
             continue
         for paths in drawn:
-            found = _bowed_image(pattern, graph, layout.complex, paths, frame)
+            found = _bowed_image(pattern, expected, layout.graph, paths, frame)
             if found is not None:
                 return found
     raise first or EncodeError("the pattern has no layout")
@@ -175,8 +177,8 @@ def _encode(
 
 def _bowed_image(
     pattern: Pattern,
-    graph: StitchGraph,
-    complex_: SeamComplex,
+    expected: StitchGraph,
+    graph: SeamGraph,
     paths: list[Path],
     frame: BodyFrame,
 ) -> GarmentImage | None:
@@ -188,8 +190,8 @@ def _bowed_image(
     """
     bows: Bows = {}
     for _ in range(BOWINGS):
-        image = _image(pattern, complex_, paths, frame, bows)
-        found = disproof(pattern, graph, image)
+        image = _image(pattern, graph, paths, frame, bows)
+        found = disproof(pattern, expected, image)
         if not found.reason:
             return image
         if not found.bows:
@@ -200,22 +202,22 @@ def _bowed_image(
 
 def _image(
     pattern: Pattern,
-    complex_: SeamComplex,
+    graph: SeamGraph,
     paths: list[Path],
     frame: BodyFrame,
     bows: Bows | None = None,
 ) -> GarmentImage:
-    panels = complex_.placed.panels
-    edge_type = _edge_types(complex_, paths, frame.grid)
-    owner = _fill_panels(complex_, paths, frame.grid)
-    _check_clusters(complex_, owner, edge_type)
+    panels = graph.placed.panels
+    edge_type = _edge_types(graph, paths, frame.grid)
+    owner = _fill_panels(graph, paths, frame.grid)
+    _check_clusters(graph, owner, edge_type)
     deformation = np.zeros((2, 4, 2, frame.grid, frame.grid), np.float32)
     marks = []
     for i, panel in enumerate(panels):
         mask = owner[panel.layer] == i
         target = deformation[panel.layer]
-        _deform(complex_, i, paths, mask, edge_type[panel.layer], frame, target, bows or {})
-        marks.append(_mark(pattern, panel, mask, _divisions(complex_, i, paths)))
+        _deform(graph, i, paths, mask, edge_type[panel.layer], frame, target, bows or {})
+        marks.append(_mark(pattern, panel, mask, _divisions(graph, i, paths)))
     return GarmentImage(
         inside=owner >= 0,
         edge_type=edge_type,
@@ -226,10 +228,10 @@ def _image(
     )
 
 
-def _edge_types(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndarray:
+def _edge_types(graph: SeamGraph, paths: list[Path], grid: int) -> np.ndarray:
     """Types of the grid edges, straight from the arcs; [layer, bottom or left, row, col]."""
     types = np.full((2, 2, grid, grid), EdgeType.NON_BOUNDARY, np.int8)
-    for arc, path in zip(complex_.arcs, paths):
+    for arc, path in zip(graph.arcs, paths):
         corner = np.minimum(path[:-1], path[1:])
         upright = (path[:-1, 0] == path[1:, 0]).astype(int)
         for layer in arc.layers:
@@ -237,19 +239,19 @@ def _edge_types(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndarr
     return types
 
 
-def _fill_panels(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndarray:
+def _fill_panels(graph: SeamGraph, paths: list[Path], grid: int) -> np.ndarray:
     """The panel of each cell, -1 outside; [layer, row, col].
 
     Raises:
         EncodeError: a panel without cells, or two panels on one cell.
     """
     owner = np.full((2, grid, grid), -1)
-    panels = complex_.placed.panels
+    panels = graph.placed.panels
     for i, panel in enumerate(panels):
         crossed = np.zeros((grid, grid + 1), int)
         for k in range(len(panel.curves)):
-            arc, _ = complex_.owner[i, k]
-            if complex_.arcs[arc].slit:
+            arc, _ = graph.owner[i, k]
+            if graph.arcs[arc].slit:
                 continue
             path = paths[arc]
             upright = path[:-1, 0] == path[1:, 0]
@@ -270,19 +272,19 @@ def _fill_panels(complex_: SeamComplex, paths: list[Path], grid: int) -> np.ndar
     return owner
 
 
-def _check_clusters(complex_: SeamComplex, owner: np.ndarray, edge_type: np.ndarray) -> None:
+def _check_clusters(graph: SeamGraph, owner: np.ndarray, edge_type: np.ndarray) -> None:
     """Every panel must be one cluster of its own, as decoding will see it."""
     labels, count = label_panels(owner >= 0, edge_type)
     pairs = {(int(a), int(b)) for a, b in zip(owner[owner >= 0], labels[owner >= 0])}
-    if not len(pairs) == count == len(complex_.placed.panels):
-        panels = complex_.placed.panels
+    if not len(pairs) == count == len(graph.placed.panels):
+        panels = graph.placed.panels
         parts = [a for a, _ in pairs]
         torn = next((a for a in parts if parts.count(a) > 1), 0)
         raise EncodeError(f"panel {panels[torn].source!r} does not stay in one piece on the grid")
 
 
 def _deform(
-    complex_: SeamComplex,
+    graph: SeamGraph,
     index: int,
     paths: list[Path],
     mask: np.ndarray,
@@ -292,7 +294,7 @@ def _deform(
     bows: Bows,
 ) -> None:
     """Edge vectors of one panel's cells into `out` [4, 2, row, col] (paper, Eq. 1)."""
-    panel = complex_.placed.panels[index]
+    panel = graph.placed.panels[index]
     mesh = cell_mesh(mask, edge_type)
     number = np.full(mask.shape, -1)
     number[mesh.cells[:, 0], mesh.cells[:, 1]] = np.arange(len(mesh.cells))
@@ -301,7 +303,7 @@ def _deform(
         outline = np.concatenate([panel.curves[k][:-1] for k in loop])
         cloth_left = (signed_area(outline) > 0) == (loop_number == 0)
         for k in loop:
-            arc, back = complex_.owner[index, k]
+            arc, back = graph.owner[index, k]
             path = paths[arc][::-1] if back else paths[arc]
             points = resample(panel.curves[k], np.linspace(0, 1, len(path)))
             if bow := bows.get((panel.source, panel.origin[k])):
@@ -348,10 +350,10 @@ def _cloth_cells(path: Path, cloth_left: bool) -> np.ndarray:
     return (path[1:] + path[:-1] + normal - 1) // 2
 
 
-def _divisions(complex_: SeamComplex, index: int, paths: list[Path]) -> tuple[Division, ...]:
+def _divisions(graph: SeamGraph, index: int, paths: list[Path]) -> tuple[Division, ...]:
     """Vertices of a panel that lie inside its joined edges."""
-    panel = complex_.placed.panels[index]
-    joined = complex_.placed.joined.get(panel.source, ())
+    panel = graph.placed.panels[index]
+    joined = graph.placed.joined.get(panel.source, ())
     if not joined:
         return ()
     vertices = np.array(joined) @ panel.matrix.T + panel.offset
@@ -361,7 +363,7 @@ def _divisions(complex_: SeamComplex, index: int, paths: list[Path]) -> tuple[Di
         cloth_left = (signed_area(outline) > 0) == (loop_number == 0)
         for k in loop:
             shares = shares_along(panel.curves[k], vertices)
-            arc, back = complex_.owner[index, k]
+            arc, back = graph.owner[index, k]
             path = paths[arc][::-1] if back else paths[arc]
             found += divisions_on(path, _cloth_cells(path, cloth_left), shares)
     return tuple(found)
@@ -383,7 +385,7 @@ def _mark(
         anchor=(float(middle[0]), float(middle[1])),
         rotation=source.rotation,
         translation=source.translation,
-        split_of=panel.source if panel.half else None,
+        split_of=panel.source if panel.is_part else None,
         label=source.label,
         grain=source.grain,
         divisions=divisions,

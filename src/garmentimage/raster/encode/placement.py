@@ -6,12 +6,13 @@ Words of this file:
   floor; z towards the viewer of the front.
 - A **frontal** panel faces front or back; an **edge-on** panel is seen from its side.
 - A panel **wraps** when it goes round the side of the body or over the head, so that one part
-  lies in front and one behind: it is split in two **halves** (see `split`).
+  lies in front and one behind: it is split in two **parts** (see `split`).
 - The **layout pose** is a panel moved rigidly into the picture plane, arms stretched to the sides.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -20,12 +21,12 @@ from garmentimage.errors import EncodeError
 from garmentimage.geometry import signed_area
 from garmentimage.pattern import FRONTAL, Pattern, Point, floor_shift
 from garmentimage.raster.encode.joints import find_joints
-from garmentimage.raster.encode.split import Cloth, Piece, split_wrapping
+from garmentimage.raster.encode.split import PanelPart, SplitPattern, split_wrapping
 
 FRONT, BACK = 0, 1
 
 EDGE_ON = 0.35
-"""Panels with |R22| below this are unrolled to the side instead of projected."""
+"""Panels with |R22| below this are laid flat to the side instead of projected."""
 
 LAYER_DEPTH = 5.0
 """Frontal panels closer together in depth than this [cm] do not tell front from back."""
@@ -37,24 +38,24 @@ PLAIN_ANGLE = 30.0
 """Panels turned by less than this [degrees] from upright or lying are meant so."""
 
 UPRIGHT_PULL = 15.0
-"""Length [cm] of an upright seam that would keep the half of a split panel upright."""
+"""Length [cm] of an upright seam that would keep a part of a split panel upright."""
 
 AXIS_CLEARANCE = 1.0
-"""Distance that the halves of a side panel keep from the body's axis [cm]."""
+"""Distance that the parts of a side panel keep from the body's axis [cm]."""
 
 
 @dataclass(frozen=True)
 class PlacedPanel:
-    """A panel, or a half of one, in its layout pose."""
+    """A panel, or a part of one, in its layout pose."""
 
     name: str
-    """Unique; halves have a suffix."""
+    """Unique; parts of a split panel have a suffix."""
     source: str
     """Name of the pattern's panel."""
     layer: int
     """0 front, 1 back."""
-    curves: tuple[np.ndarray, ...]
-    """Per edge a dense polyline [n, 2] in body cm, directed and chained as in the panel."""
+    curves: tuple[Float[np.ndarray, "_ 2"], ...]
+    """Per edge a dense polyline in body cm, directed and chained as in the panel."""
     loops: tuple[tuple[int, ...], ...]
     """Edge numbers per loop, outer loop first."""
     matrix: Float[np.ndarray, "2 2"]
@@ -62,7 +63,7 @@ class PlacedPanel:
     offset: Float[np.ndarray, " 2"]
     sign: int
     """+1 when the outer loop runs counter-clockwise in the layout, else -1."""
-    half: bool
+    is_part: bool
     """Part of a split panel."""
     origin: tuple[int | None, ...] = ()
     """Per edge the number of the edge of the pattern's panel that it is, or is a part of; None
@@ -88,7 +89,7 @@ class PlacedSeam:
     crossed: bool
     """The start of `a` meets the end of `b`."""
     cut: bool
-    """Made by splitting a wrapping panel; no seam in the pattern."""
+    """Made by splitting a wrapping panel; not a seam of the pattern."""
 
 
 @dataclass(frozen=True)
@@ -113,20 +114,20 @@ def place(pattern: Pattern) -> Placed:
             layer), or a wrapping panel that cannot be split.
     """
     joints = find_joints(pattern)
-    cloth = Cloth.of(pattern, joints, floor_shift(pattern))
-    middle = middle_depth(cloth)
-    for piece in cloth.pieces:
-        piece.layer = _layer(cloth, piece, middle)
-    split_wrapping(cloth, middle)
-    matrices = _matrices(cloth)
-    poses = {id(p): (m, _offset(cloth, p, m)) for p, m in zip(cloth.pieces, matrices)}
-    pieces = sorted(cloth.pieces, key=lambda p: _place_key(cloth, p))
-    where = {edge: (i, k) for i, p in enumerate(pieces) for k, edge in enumerate(_flat(p.loops))}
-    panels = tuple(_placed(cloth, p, *poses[id(p)]) for p in pieces)
+    split = SplitPattern.of(pattern, joints, floor_shift(pattern))
+    middle = middle_depth(split)
+    for part in split.parts:
+        part.layer = _layer(split, part, middle)
+    split_wrapping(split, middle)
+    matrices = _matrices(split)
+    poses = {id(p): (m, _offset(split, p, m)) for p, m in zip(split.parts, matrices, strict=True)}
+    parts = sorted(split.parts, key=lambda p: _place_key(split, p))
+    where = {edge: (i, k) for i, p in enumerate(parts) for k, edge in enumerate(_flat(p.loops))}
+    panels = tuple(_placed(split, p, *poses[id(p)]) for p in parts)
     seams = []
-    for edge, (other, crossed) in cloth.sewn.items():
+    for edge, (other, crossed) in split.sewn.items():
         if where[edge] < where[other]:
-            seams.append(PlacedSeam(where[edge], where[other], crossed, edge in cloth.cuts))
+            seams.append(PlacedSeam(where[edge], where[other], crossed, edge in split.cuts))
     seams.sort(key=lambda s: (s.a, s.b))
     for seam in seams:
         _check_flat(panels, seam)
@@ -136,115 +137,134 @@ def place(pattern: Pattern) -> Placed:
     return Placed(panels, tuple(seams), joined)
 
 
-def middle_depth(cloth: Cloth) -> float:
+def middle_depth(split: SplitPattern) -> float:
     """Depth of the plane between front and back: midway between their mean frontal panels."""
-    depths = np.array([cloth.centre(p)[2] for p in cloth.pieces if abs(p.rotation[2, 2]) > FRONTAL])
+    depths = np.array([split.centre(p)[2] for p in split.parts if abs(p.rotation[2, 2]) > FRONTAL])
     if not len(depths) or np.ptp(depths) <= LAYER_DEPTH:
         return 0.0
     halfway = (depths.max() + depths.min()) / 2
     return float(depths[depths > halfway].mean() + depths[depths <= halfway].mean()) / 2
 
 
-def _layer(cloth: Cloth, piece: Piece, middle: float) -> int:
-    depth = cloth.centre(piece)[2] - middle
-    if abs(depth) < DEPTH_DEAD_ZONE and abs(piece.rotation[2, 2]) > FRONTAL:
-        depth = _outward(cloth, piece)[2]
+def _layer(split: SplitPattern, part: PanelPart, middle: float) -> int:
+    depth = split.centre(part)[2] - middle
+    if abs(depth) < DEPTH_DEAD_ZONE and abs(part.rotation[2, 2]) > FRONTAL:
+        depth = _outward(split, part)[2]
     return FRONT if depth >= 0 else BACK
 
 
-def _matrices(cloth: Cloth) -> list[np.ndarray]:
-    """For every piece the 2 x 2 matrix that takes its own frame to the layout.
+class _SeamSide(NamedTuple):
+    """A seam, seen from one of the two panels or parts that it joins."""
+
+    part: int
+    partner: int
+    chord: Float[np.ndarray, " 2"]
+    """From one end of the seam to the other on `part`, in its own frame [cm]."""
+    partner_chord: Float[np.ndarray, " 2"]
+    """The same on `partner`, pointing to the same end."""
+    length: float
+    """Of `chord` [cm]."""
+
+
+Matrix = Float[np.ndarray, "2 2"]
+"""Orthogonal: takes directions in a panel's own frame to the layout."""
+
+
+def _matrices(split: SplitPattern) -> list[Matrix]:
+    """For every panel or part the matrix that takes its own frame to the layout.
 
     A panel that hangs askew (a sleeve, and its cuff) is turned to the upright or the lying
-    position nearest to it. Where it is not plain which of the two is meant, its seams with panels
+    position nearest to it. Where it is unclear which of the two is meant, its seams with panels
     of known position decide, those with the longest seams first.
     """
-    matrices: dict[int, np.ndarray] = {}
-    askew: dict[int, list[np.ndarray]] = {}
-    for i, piece in enumerate(cloth.pieces):
-        if piece.half or abs(piece.rotation[2, 2]) < EDGE_ON:
-            matrices[i] = _unrolled(cloth, piece)
+    matrices: dict[int, Matrix] = {}
+    askew: dict[int, list[Matrix]] = {}
+    for i, part in enumerate(split.parts):
+        if part.is_part or abs(part.rotation[2, 2]) < EDGE_ON:
+            matrices[i] = _laid_flat(split, part)
             continue
-        choices = _upright(piece.rotation)
+        choices = _upright(part.rotation)
         if len(choices) == 1:
             matrices[i] = choices[0]
         else:
             askew[i] = choices
-    links = _links(cloth)
+    sides = _seam_sides(split)
     while askew:
-        known = {i: [k for k in links if k[0] == i and k[1] in matrices] for i in askew}
-        i = max(askew, key=lambda i: (sum(k[4] for k in known[i]), -_lean(cloth, cloth.pieces[i])))
+        known = {i: [s for s in sides if s.part == i and s.partner in matrices] for i in askew}
+        lean = {i: _lean(split, split.parts[i]) for i in askew}
+        i = max(askew, key=lambda i: (sum(s.length for s in known[i]), -lean[i]))
         matrices[i] = max(askew.pop(i), key=lambda m: _agreement(m, known[i], matrices))
-    whole = {i: m for i, m in matrices.items() if not cloth.pieces[i].half}
+    whole = {i: m for i, m in matrices.items() if not split.parts[i].is_part}
     for i in matrices.keys() - whole.keys():
-        known_links = [k for k in links if k[0] == i and k[1] in whole]
-        matrices[i] = _leaning(matrices[i], known_links, whole)
-    return [matrices[i] for i in range(len(cloth.pieces))]
+        known_sides = [s for s in sides if s.part == i and s.partner in whole]
+        matrices[i] = _leaning(matrices[i], known_sides, whole)
+    return [matrices[i] for i in range(len(split.parts))]
 
 
-Link = tuple[int, int, np.ndarray, np.ndarray, float]
-"""Piece, partner, chord of the seam's side on each, pointing the same way, and its length."""
-
-
-def _links(cloth: Cloth) -> list[Link]:
+def _seam_sides(split: SplitPattern) -> list[_SeamSide]:
     """Every seam, once from each side."""
-    owner = {e: i for i, p in enumerate(cloth.pieces) for e in _flat(p.loops)}
-    links = []
-    for edge, (other, crossed) in cloth.sewn.items():
-        mine = cloth.curves[edge][-1] - cloth.curves[edge][0]
-        theirs = cloth.curves[other][-1] - cloth.curves[other][0]
-        size = float(np.hypot(*mine))
-        links.append((owner[edge], owner[other], mine, -theirs if crossed else theirs, size))
-    return links
+    owner = {e: i for i, p in enumerate(split.parts) for e in _flat(p.loops)}
+    sides = []
+    for edge, (other, crossed) in split.sewn.items():
+        mine = split.curves[edge][-1] - split.curves[edge][0]
+        theirs = split.curves[other][-1] - split.curves[other][0]
+        length = float(np.hypot(*mine))
+        theirs = -theirs if crossed else theirs
+        sides.append(_SeamSide(owner[edge], owner[other], mine, theirs, length))
+    return sides
 
 
-def _agreement(matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]) -> float:
-    """How well the sides of a piece point the way of the sides that they are sewn to [cm]."""
+def _agreement(matrix: Matrix, sides: list[_SeamSide], matrices: dict[int, Matrix]) -> float:
+    """How well seams of a panel point in the direction of those they are sewn to [cm].
+
+    The sum of length x cosine over the seams.
+    """
     agreement = 0.0
-    for _, partner, mine, theirs, size in links:
+    for _, partner, mine, theirs, size in sides:
         along = matrix @ mine @ (matrices[partner] @ theirs)
         agreement += along * size / (np.hypot(*mine) * np.hypot(*theirs) + 1e-9)
     return agreement
 
 
-def _leaning(matrix: np.ndarray, links: list[Link], matrices: dict[int, np.ndarray]) -> np.ndarray:
-    """The pose of a half, turned so that its seams lean as those that they are sewn to.
+def _leaning(matrix: Matrix, sides: list[_SeamSide], matrices: dict[int, Matrix]) -> Matrix:
+    """The pose of a part, turned so that its seams lean as those that they are sewn to.
 
-    Least squares over the directions, with `UPRIGHT_PULL` towards the upright.
+    Least squares over the directions, with `UPRIGHT_PULL` towards the upright: the rotation that
+    maximises UPRIGHT_PULL cos(a) + sum of length x cos(a - angle of the seam to its partner).
     """
     along, across = UPRIGHT_PULL, 0.0
-    for _, partner, mine, theirs, size in links:
+    for _, partner, mine, theirs, length in sides:
         (x, y), (u, v) = matrix @ mine, matrices[partner] @ theirs
-        scale = size / (np.hypot(x, y) * np.hypot(u, v) + 1e-9)
+        scale = length / (np.hypot(x, y) * np.hypot(u, v) + 1e-9)
         along += scale * (x * u + y * v)
         across += scale * (x * v - y * u)
     size = np.hypot(along, across)
-    return np.array([[along, -across], [across, along]]) @ matrix / size
+    return np.asarray(np.array([[along, -across], [across, along]]) @ matrix / size)
 
 
-def _lean(cloth: Cloth, piece: Piece) -> float:
-    x, y, z = cloth.centre(piece)
+def _lean(split: SplitPattern, part: PanelPart) -> float:
+    x, y, z = split.centre(part)
     return float(y + GENERIC_SLOPE * x + GENERIC_SLOPE**2 * z)
 
 
-def _offset(cloth: Cloth, piece: Piece, matrix: np.ndarray) -> np.ndarray:
+def _offset(split: SplitPattern, part: PanelPart, matrix: Matrix) -> Float[np.ndarray, " 2"]:
     """Where the origin of the panel's own frame lies in the layout."""
-    polygon = cloth.polygon(piece)
-    world = cloth.centre(piece)
-    offset = world[:2] - matrix @ cloth.own_centre(piece)
-    if piece.half and _faces_sideways(piece.rotation):
-        side = np.sign(_outward(cloth, piece)[0])
+    polygon = split.polygon(part)
+    world = split.centre(part)
+    offset = world[:2] - matrix @ split.own_centre(part)
+    if part.is_part and _faces_sideways(part.rotation):
+        side = np.sign(_outward(split, part)[0])
         nearest = (side * (polygon @ matrix[0] + offset[0])).min()
         offset = offset + np.array([side * max(AXIS_CLEARANCE - nearest, 0.0), 0.0])
     return offset
 
 
-def _outward(cloth: Cloth, piece: Piece) -> np.ndarray:
+def _outward(split: SplitPattern, part: PanelPart) -> Float[np.ndarray, " 3"]:
     """Unit normal of the panel's outer face: seen from there its outline runs counter-clockwise."""
-    return piece.rotation[:, 2] * np.sign(signed_area(cloth.polygon(piece)))
+    return np.asarray(part.rotation[:, 2] * np.sign(signed_area(split.polygon(part))))
 
 
-def _upright(rotation: np.ndarray) -> list[np.ndarray]:
+def _upright(rotation: Float[np.ndarray, "3 3"]) -> list[Matrix]:
     """The picture-plane poses a panel may be meant in, upright or lying, nearest first.
 
     Paper, Section 3.2, asks for panels aligned by hand; this makes an A-pose sleeve a T-pose
@@ -265,15 +285,15 @@ def _upright(rotation: np.ndarray) -> list[np.ndarray]:
     return [_quarter_turns(int(q)) @ mirror for q in quarters]
 
 
-def _quarter_turns(count: int) -> np.ndarray:
+def _quarter_turns(count: int) -> Matrix:
     cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[count % 4]
     return np.array([[cos, -sin], [sin, cos]], float)
 
 
-def _unrolled(cloth: Cloth, piece: Piece) -> np.ndarray:
+def _laid_flat(split: SplitPattern, part: PanelPart) -> Matrix:
     """An edge-on panel laid flat: what is deep in the body goes outward, away from its axis."""
-    rotation, outward = piece.rotation, _outward(cloth, piece)
-    deep = -1.0 if piece.layer == FRONT else 1.0
+    rotation, outward = part.rotation, _outward(split, part)
+    deep = -1.0 if part.layer == FRONT else 1.0
     if _faces_sideways(rotation):
         rows = [np.sign(outward[0]) * deep * rotation[2, :2], rotation[1, :2]]
     else:
@@ -281,29 +301,31 @@ def _unrolled(cloth: Cloth, piece: Piece) -> np.ndarray:
     return _nearest_orthogonal(np.stack(rows))
 
 
-def _faces_sideways(rotation: np.ndarray) -> bool:
+def _faces_sideways(rotation: Float[np.ndarray, "3 3"]) -> bool:
     return bool(abs(rotation[0, 2]) >= abs(rotation[1, 2]))
 
 
-def _nearest_orthogonal(matrix: np.ndarray) -> np.ndarray:
+def _nearest_orthogonal(matrix: Matrix) -> Matrix:
     """Polar factor: the orthogonal matrix nearest to a 2 x 2 matrix."""
     u, _, v = np.linalg.svd(matrix)
-    return u @ v
+    return np.asarray(u @ v)
 
 
-def _placed(cloth: Cloth, piece: Piece, matrix: np.ndarray, offset: np.ndarray) -> PlacedPanel:
-    numbers = iter(range(sum(map(len, piece.loops))))
+def _placed(
+    split: SplitPattern, part: PanelPart, matrix: Matrix, offset: Float[np.ndarray, " 2"]
+) -> PlacedPanel:
+    numbers = iter(range(sum(map(len, part.loops))))
     panel = PlacedPanel(
-        name=piece.name,
-        source=piece.source,
-        layer=piece.layer,
-        curves=tuple(cloth.curves[e] @ matrix.T + offset for e in _flat(piece.loops)),
-        loops=tuple(tuple(next(numbers) for _ in loop) for loop in piece.loops),
+        name=part.name,
+        source=part.source,
+        layer=part.layer,
+        curves=tuple(split.curves[e] @ matrix.T + offset for e in _flat(part.loops)),
+        loops=tuple(tuple(next(numbers) for _ in loop) for loop in part.loops),
         matrix=matrix,
         offset=offset,
         sign=1,
-        half=piece.half,
-        origin=tuple(cloth.origin.get(e) for e in _flat(piece.loops)),
+        is_part=part.is_part,
+        origin=tuple(split.origin.get(e) for e in _flat(part.loops)),
     )
     return panel if signed_area(panel.outline) > 0 else replace(panel, sign=-1)
 
@@ -312,9 +334,9 @@ def _flat(loops: list[list[int]]) -> list[int]:
     return [edge for loop in loops for edge in loop]
 
 
-def _place_key(cloth: Cloth, piece: Piece) -> tuple[int, float, str]:
+def _place_key(split: SplitPattern, part: PanelPart) -> tuple[int, float, str]:
     """Where a panel stands in every list: by layer and place, so that file order cannot matter."""
-    return piece.layer, _lean(cloth, piece), piece.name
+    return part.layer, _lean(split, part), part.name
 
 
 GENERIC_SLOPE = 0.381966

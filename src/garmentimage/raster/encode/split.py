@@ -1,7 +1,7 @@
-"""Splitting: panels that wrap round the body are cut in a front and a back half.
+"""Splitting: panels that wrap round the body are cut in a front and a back part.
 
-A `Cloth` is a pattern taken apart for cutting: every edge has a number of its own that stays the
-same whatever is cut elsewhere.
+A `SplitPattern` is a pattern taken apart for cutting: every edge has a number of its own, which no
+cut elsewhere changes.
 """
 
 import itertools
@@ -38,14 +38,14 @@ PARTNER_REACH = 0.3
 VERTEX_REACH = 0.035
 """Reach, in perimeters, to any other vertex."""
 
-LEAST_HALF = 0.1
-"""Share of a panel's area that either half must keep."""
+MIN_PART_SHARE = 0.1
+"""Share of a panel's area that either part must keep."""
 
 SUFFIXES = ("front", "back")
 
 
 @dataclass
-class Piece:
+class PanelPart:
     """A panel or a part of one: loops of edge numbers, outer loop first."""
 
     name: str
@@ -54,15 +54,16 @@ class Piece:
     translation: Float[np.ndarray, " 3"]
     loops: list[list[int]]
     layer: int = 0
-    half: bool = False
+    is_part: bool = False
+    """Part of a panel that was cut."""
 
 
 @dataclass
-class Cloth:
-    """A pattern taken apart: pieces, edges, and which edge is sewn to which."""
+class SplitPattern:
+    """A pattern taken apart: panels and parts of panels, edges, and which edge is sewn to which."""
 
-    pieces: list[Piece] = field(default_factory=list)
-    curves: dict[int, np.ndarray] = field(default_factory=dict)
+    parts: list[PanelPart] = field(default_factory=list)
+    curves: dict[int, Float[np.ndarray, "_ 2"]] = field(default_factory=dict)
     """Dense polyline of every edge, in the frame of its panel [cm]."""
     sewn: dict[int, tuple[int, bool]] = field(default_factory=dict)
     """For every sewn edge its partner, and whether the start of one meets the end of the other."""
@@ -76,57 +77,57 @@ class Cloth:
     numbers: Iterator[int] = field(default_factory=itertools.count)
 
     @classmethod
-    def of(cls, pattern: Pattern, joints: Joints, lift: float) -> "Cloth":
+    def of(cls, pattern: Pattern, joints: Joints, lift: float) -> "SplitPattern":
         """`pattern`, its edges joined at the open `joints`, lifted by `lift` [cm]."""
-        cloth = cls()
+        split = cls()
         edges: dict[Side, int] = {}
         loops: dict[str, list[list[int]]] = {panel.name: [] for panel in pattern.panels}
         for _, ring in side_loops(pattern):
             loops[ring[0].panel].append([])
-            for part in _joined(ring, joints):
-                number = next(cloth.numbers)
+            for joined in _joined(ring, joints):
+                number = next(split.numbers)
                 loops[ring[0].panel][-1].append(number)
-                curves = [pattern.curve(side) for side in part]
+                curves = [pattern.curve(side) for side in joined]
                 lines = [c.sample(1 if c.is_straight else CHORDS) for c in curves]
-                cloth.curves[number] = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
-                edges.update(dict.fromkeys(part, number))
-                cloth.origin[number] = part[0].edge
+                split.curves[number] = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
+                edges.update(dict.fromkeys(joined, number))
+                split.origin[number] = joined[0].edge
         for panel in pattern.panels:
             where = np.array(panel.translation) + np.array([0.0, lift, 0.0])
-            piece = Piece(panel.name, panel.name, panel.matrix, where, loops[panel.name])
-            cloth.pieces.append(piece)
+            part = PanelPart(panel.name, panel.name, panel.matrix, where, loops[panel.name])
+            split.parts.append(part)
         for stitch in pattern.stitches:
             if stitch.a not in joints.stubs:
                 a, b = (edges[side] for side in stitch.sides)
-                cloth.sew(a, b, crossed=not stitch.same_direction)
-        return cloth
+                split.sew(a, b, crossed=not stitch.same_direction)
+        return split
 
     def sew(self, a: int, b: int, *, crossed: bool) -> None:
         """Sew edge `a` to edge `b`."""
         self.sewn[a], self.sewn[b] = (b, crossed), (a, crossed)
 
-    def polygon(self, piece: Piece) -> Float[np.ndarray, "n 2"]:
+    def polygon(self, part: PanelPart) -> Float[np.ndarray, "n 2"]:
         """The outer loop in the panel's own frame, not closed."""
-        return np.concatenate([self.curves[e][:-1] for e in piece.loops[0]])
+        return np.concatenate([self.curves[e][:-1] for e in part.loops[0]])
 
-    def world(self, piece: Piece, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
+    def world(self, part: PanelPart, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
         """Panel points placed round the body, feet on the floor [cm]."""
-        return points @ piece.rotation[:, :2].T + piece.translation
+        return np.asarray(points @ part.rotation[:, :2].T + part.translation)
 
-    def own_centre(self, piece: Piece) -> Float[np.ndarray, " 2"]:
+    def own_centre(self, part: PanelPart) -> Float[np.ndarray, " 2"]:
         """Centre of area in the panel's own frame."""
-        key = tuple(piece.loops[0])
+        key = tuple(part.loops[0])
         if key not in self._own_centres:
-            self._own_centres[key] = centroid(self.polygon(piece))
+            self._own_centres[key] = centroid(self.polygon(part))
         return self._own_centres[key]
 
-    def centre(self, piece: Piece) -> Float[np.ndarray, " 3"]:
+    def centre(self, part: PanelPart) -> Float[np.ndarray, " 3"]:
         """World position of the centre of area."""
-        return self.world(piece, self.own_centre(piece)[None])[0]
+        return np.asarray(self.world(part, self.own_centre(part)[None])[0])
 
-    def owner(self, edge: int) -> tuple[Piece, list[int]]:
-        """The piece and the loop that an edge belongs to."""
-        return next((p, loop) for p in self.pieces for loop in p.loops if edge in loop)
+    def owner(self, edge: int) -> tuple[PanelPart, list[int]]:
+        """The panel or part, and the loop, that an edge belongs to."""
+        return next((p, loop) for p in self.parts for loop in p.loops if edge in loop)
 
     def split_edge(self, edge: int, share: float) -> int:
         """Split an edge, and its partner with it, at a share of its length.
@@ -138,9 +139,10 @@ class Cloth:
         second = self._cut_curve(edge, share)
         if edge in self.sewn:
             other, crossed = self.sewn[edge]
-            parts = other, self._cut_curve(other, 1 - share if crossed else share)
-            for mine, theirs in zip((edge, second), parts[::-1] if crossed else parts):
-                self.sew(mine, theirs, crossed=crossed)
+            theirs = other, self._cut_curve(other, 1 - share if crossed else share)
+            pairs = zip((edge, second), theirs[::-1] if crossed else theirs, strict=True)
+            for mine, facing in pairs:
+                self.sew(mine, facing, crossed=crossed)
         return second
 
     def _cut_curve(self, edge: int, share: float) -> int:
@@ -155,13 +157,13 @@ class Cloth:
 def _joined(ring: Sequence[Side], joints: Joints) -> Iterator[list[Side]]:
     """The edges of a loop in parts that are one edge each."""
     turn = next((k for k, side in enumerate(ring) if side not in joints.open), 0)
-    part: list[Side] = []
+    joined: list[Side] = []
     for side in (*ring[turn:], *ring[:turn]):
-        if part and side not in joints.open:
-            yield part
-            part = []
-        part.append(side)
-    yield part
+        if joined and side not in joints.open:
+            yield joined
+            joined = []
+        joined.append(side)
+    yield joined
 
 
 def cut_polyline(
@@ -178,52 +180,52 @@ def cut_polyline(
     )
 
 
-def split_wrapping(cloth: Cloth, middle: float) -> None:
+def split_wrapping(split: SplitPattern, middle: float) -> None:
     """Cut every wrapping panel along the plane z = `middle`, in place.
 
-    The halves keep a seam where they were cut. Larger panels are cut first: a panel that is
+    The parts keep a seam where they were cut. Larger panels are cut first: a panel that is
     stitched to one that was cut finds its vertex already there.
 
     Raises:
         EncodeError: a cut would run through a hole.
     """
-    wrapping = [p for p in cloth.pieces if _wraps(cloth, p, middle)]
-    wrapping.sort(key=lambda p: (-abs(signed_area(cloth.polygon(p))), p.translation[0]))
+    wrapping = [p for p in split.parts if _wraps(split, p, middle)]
+    wrapping.sort(key=lambda p: (-abs(signed_area(split.polygon(p))), p.translation[0]))
     undecided = list(wrapping)
-    for piece in wrapping:
-        points = _crossings(cloth, piece, middle)
+    for part in wrapping:
+        points = _crossings(split, part, middle)
         undecided_edges = {e for p in undecided for loop in p.loops for e in loop}
-        vertices = _choose_vertices(cloth, piece, points, undecided_edges)
-        undecided.remove(piece)
-        _halve(cloth, piece, vertices)
+        vertices = _choose_vertices(split, part, points, undecided_edges)
+        undecided.remove(part)
+        _cut(split, part, vertices)
 
 
-def _depths(cloth: Cloth, piece: Piece, middle: float) -> np.ndarray:
-    return cloth.world(piece, cloth.polygon(piece))[:, 2] - middle
+def _depths(split: SplitPattern, part: PanelPart, middle: float) -> Float[np.ndarray, " n"]:
+    return split.world(part, split.polygon(part))[:, 2] - middle
 
 
-def _wraps(cloth: Cloth, piece: Piece, middle: float) -> bool:
-    if abs(piece.rotation[2, 2]) >= SEEN_FROM_SIDE:
+def _wraps(split: SplitPattern, part: PanelPart, middle: float) -> bool:
+    if abs(part.rotation[2, 2]) >= SEEN_FROM_SIDE:
         return False
-    depths = _depths(cloth, piece, middle)
+    depths = _depths(split, part, middle)
     extent = float(np.ptp(depths))
     beyond = min(depths.max(), -depths.min()) / extent if extent > 0 else 0.0
     if beyond > CLEAR_CROSSING:
         return True
-    partners = [cloth.sewn[e][0] for e in piece.loops[0] if e in cloth.sewn]
-    owners = [cloth.owner(e)[0] for e in partners]
+    partners = [split.sewn[e][0] for e in part.loops[0] if e in split.sewn]
+    owners = [split.owner(e)[0] for e in partners]
     layers = {p.layer for p in owners if abs(p.rotation[2, 2]) >= SEEN_FROM_SIDE}
     return beyond > NEIGHBOUR_CROSSING and len(layers) == 2
 
 
-def _crossings(cloth: Cloth, piece: Piece, middle: float) -> list[float]:
+def _crossings(split: SplitPattern, part: PanelPart, middle: float) -> list[float]:
     """The two places, in lengths along the outer loop, where it passes the middle plane.
 
     Of more than two the pair farthest apart along the loop.
     """
-    closed = np.concatenate([cloth.polygon(piece), cloth.curves[piece.loops[0][0]][:1]])
+    closed = np.concatenate([split.polygon(part), split.curves[part.loops[0][0]][:1]])
     along = lengths_along(closed)
-    depth = cloth.world(piece, closed)[:, 2] - middle
+    depth = split.world(part, closed)[:, 2] - middle
     (i,) = np.nonzero((depth[:-1] <= 0) != (depth[1:] <= 0))
     places = along[i] + depth[i] / (depth[i] - depth[i + 1]) * (along[i + 1] - along[i])
     pairs = list(itertools.combinations(places.tolist(), 2))
@@ -237,16 +239,16 @@ def _round_trip(a: float, b: float, perimeter: float) -> float:
 
 
 def _choose_vertices(
-    cloth: Cloth, piece: Piece, places: list[float], undecided: set[int]
+    split: SplitPattern, part: PanelPart, places: list[float], undecided: set[int]
 ) -> list[int]:
     """The two edges before which to cut; a place far from any good one gets a new vertex.
 
-    Best is where the neighbours change from one layer to the other, halfway along the free
-    boundary between them if there is some; then any vertex nearby. Of those the first pair that
-    leaves two true halves is taken.
+    The best places are where the neighbours change from one layer to the other, halfway along the
+    free boundary between them if there is some; then any vertex nearby. Of those the first pair
+    that leaves two parts large enough is taken.
     """
-    starts = _starts(cloth, piece)
-    changes = _layer_changes(cloth, piece, undecided)
+    starts = _starts(split, part)
+    changes = _layer_changes(split, part, undecided)
     ranked: list[list[float]] = []
     for place in places:
 
@@ -259,25 +261,25 @@ def _choose_vertices(
     first, second = ranked
     ranks = itertools.product(range(len(first)), range(len(second)))
     pairs = [(first[m], second[n]) for m, n in sorted(ranks, key=sum)]
-    chosen = next((p for p in pairs if _balance(cloth, piece, *p) > LEAST_HALF), pairs[-1])
-    return [_vertex_at(cloth, piece, place) for place in chosen]
+    chosen = next((p for p in pairs if _balance(split, part, *p) > MIN_PART_SHARE), pairs[-1])
+    return [_vertex_at(split, part, place) for place in chosen]
 
 
-def _layer_changes(cloth: Cloth, piece: Piece, undecided: set[int]) -> list[float]:
+def _layer_changes(split: SplitPattern, part: PanelPart, undecided: set[int]) -> list[float]:
     """Places on the outer loop where the stitched neighbours change from layer to layer.
 
     Halfway along the free edges between such neighbours; edges sewn to panels that are not yet
     cut separate nothing.
     """
-    loop, starts = piece.loops[0], _starts(cloth, piece)
+    loop, starts = part.loops[0], _starts(split, part)
     count, perimeter = len(loop), starts[-1]
-    layers = [_partner_layer(cloth, e, undecided) for e in loop]
+    layers = [_partner_layer(split, e, undecided) for e in loop]
     changes = []
     for k in range(count):
         if layers[k] is None:
             continue
         run = 1
-        while run < count and loop[(k + run) % count] not in cloth.sewn:
+        while run < count and loop[(k + run) % count] not in split.sewn:
             run += 1
         if {layers[k], layers[(k + run) % count]} == {0, 1}:
             first = starts[k + 1]
@@ -286,15 +288,15 @@ def _layer_changes(cloth: Cloth, piece: Piece, undecided: set[int]) -> list[floa
     return changes
 
 
-def _starts(cloth: Cloth, piece: Piece) -> np.ndarray:
+def _starts(split: SplitPattern, part: PanelPart) -> Float[np.ndarray, " _"]:
     """Length along the outer loop at which each edge starts, and the whole length."""
-    lengths = [polyline_length(cloth.curves[e]) for e in piece.loops[0]]
+    lengths = [polyline_length(split.curves[e]) for e in part.loops[0]]
     return np.concatenate([[0.0], np.cumsum(lengths)])
 
 
-def _balance(cloth: Cloth, piece: Piece, a: float, b: float) -> float:
+def _balance(split: SplitPattern, part: PanelPart, a: float, b: float) -> float:
     """Share of the area on the smaller side of the line between two places on the outer loop."""
-    polygon = cloth.polygon(piece)
+    polygon = split.polygon(part)
     closed = np.concatenate([polygon, polygon[:1]])
     along = lengths_along(closed)
     a, b = sorted((a, b))
@@ -304,58 +306,61 @@ def _balance(cloth: Cloth, piece: Piece, a: float, b: float) -> float:
     return min(share, 1 - share)
 
 
-def _vertex_at(cloth: Cloth, piece: Piece, place: float) -> int:
+def _vertex_at(split: SplitPattern, part: PanelPart, place: float) -> int:
     """The edge that starts at a place on the outer loop, split off there if need be."""
-    starts = _starts(cloth, piece)
+    starts = _starts(split, part)
     here = np.abs(starts[:-1] - place) < 1e-6
     if here.any():
-        return piece.loops[0][int(here.argmax())]
+        return part.loops[0][int(here.argmax())]
     k = int(np.searchsorted(starts, place, side="right")) - 1
     share = (place - starts[k]) / (starts[k + 1] - starts[k])
-    return cloth.split_edge(piece.loops[0][k], share)
+    return split.split_edge(part.loops[0][k], share)
 
 
-def _partner_layer(cloth: Cloth, edge: int, undecided: set[int]) -> int | None:
-    if edge not in cloth.sewn or cloth.sewn[edge][0] in undecided:
+def _partner_layer(split: SplitPattern, edge: int, undecided: set[int]) -> int | None:
+    if edge not in split.sewn or split.sewn[edge][0] in undecided:
         return None
-    return cloth.owner(cloth.sewn[edge][0])[0].layer
+    return split.owner(split.sewn[edge][0])[0].layer
 
 
-def _halve(cloth: Cloth, piece: Piece, vertices: list[int]) -> None:
-    """Replace a piece by the two parts between the starts of two of its edges."""
-    loop = piece.loops[0]
+def _cut(split: SplitPattern, part: PanelPart, vertices: list[int]) -> None:
+    """Replace a panel by the two parts between the starts of two of its edges."""
+    loop = part.loops[0]
     i, j = sorted(loop.index(e) for e in vertices)
-    parts = [loop[i:j], loop[j:] + loop[:i]]
-    cut = next(cloth.numbers), next(cloth.numbers)
-    halves = []
-    for number, part in zip(cut, parts):
-        ends = cloth.curves[part[-1]][-1], cloth.curves[part[0]][0]
-        cloth.curves[number] = np.stack(ends)
-        halves.append(replace(piece, loops=[[*part, number]], half=True))
-    cloth.sew(*cut, crossed=True)
-    cloth.cuts |= set(cut)
-    for hole in piece.loops[1:]:
-        _half_with_hole(cloth, piece, halves, hole).loops.append(hole)
-    halves.sort(key=lambda h: -cloth.centre(h)[2])
-    at = next(k for k, p in enumerate(cloth.pieces) if p is piece)
-    taken = {p.name for p in cloth.pieces}
-    for layer, half in enumerate(halves):
-        half.layer = layer
-        half.name = f"{piece.name}:{SUFFIXES[layer]}"
-        while half.name in taken:
-            half.name += "'"
-    cloth.pieces[at : at + 1] = halves
+    runs = [loop[i:j], loop[j:] + loop[:i]]
+    cut = next(split.numbers), next(split.numbers)
+    both = []
+    for number, run in zip(cut, runs, strict=True):
+        ends = split.curves[run[-1]][-1], split.curves[run[0]][0]
+        split.curves[number] = np.stack(ends)
+        both.append(replace(part, loops=[[*run, number]], is_part=True))
+    split.sew(*cut, crossed=True)
+    split.cuts |= set(cut)
+    for hole in part.loops[1:]:
+        _part_with_hole(split, part, both, hole).loops.append(hole)
+    both.sort(key=lambda p: -split.centre(p)[2])
+    at = next(k for k, p in enumerate(split.parts) if p is part)
+    taken = {p.name for p in split.parts}
+    for layer, one in enumerate(both):
+        one.layer = layer
+        one.name = f"{part.name}:{SUFFIXES[layer]}"
+        while one.name in taken:
+            one.name += "'"
+    split.parts[at : at + 1] = both
 
 
-def _half_with_hole(cloth: Cloth, piece: Piece, halves: list[Piece], hole: list[int]) -> Piece:
+def _part_with_hole(
+    split: SplitPattern, part: PanelPart, both: list[PanelPart], hole: list[int]
+) -> PanelPart:
+    """The one of the two parts of a panel that a hole lies in."""
     import shapely
 
-    inner = shapely.Polygon(np.concatenate([cloth.curves[e][:-1] for e in hole]))
-    for half in halves:
-        if shapely.Polygon(cloth.polygon(half)).contains(inner):
-            return half
+    inner = shapely.Polygon(np.concatenate([split.curves[e][:-1] for e in hole]))
+    for one in both:
+        if shapely.Polygon(split.polygon(one)).contains(inner):
+            return one
     raise EncodeError(
-        f"panel {piece.name!r} wraps round the body and a hole lies across the line where it "
-        "must be split in a front and a back half; split the panel there in the pattern",
+        f"panel {part.name!r} wraps round the body and a hole lies across the line where it "
+        "must be split in a front and a back part; split the panel there in the pattern",
         remedy="pattern",
     )

@@ -1,17 +1,39 @@
-"""Compiled parts of compaction: its variables, its constraints, and its solver."""
+"""Compiled parts of compaction: its variables, its constraints, and its solver.
+
+`compact` states the quadratic program. The solver works on its dual: every constraint c has a
+multiplier, a force f_c >= 0 that pushes its two variables apart, and
+
+    x_v = t_v + (sum of forces that push v up - sum of those that push it down) / w_v .
+
+One force after the other is set to what its constraint needs with the others as they are (Hildreth,
+A quadratic programming procedure, 1957), until no variable moves by more than TOLERANCE.
+"""
 
 import numpy as np
 from numba import njit
 
 from garmentimage.geometry import merge, root_of
 
-SWEEPS = 400
+MAX_SWEEPS = 400
 TOLERANCE = 1e-4
+"""Largest movement in the last sweep [lattice steps]."""
 
 
 @njit(cache=True)
 def number_variables(flat, lens, tail, head, nodes, along):
-    """A variable per run of vertices that share their coordinate; a node has one for all arcs."""
+    """A variable per run of vertices that share their coordinate; a node has one for all arcs.
+
+    Args:
+        flat: [vertex, 2] the paths, one after the other.
+        lens: [arc] vertices of each.
+        tail: [arc] node at the start.
+        head: [arc] node at the end.
+        nodes: how many there are.
+        along: the axis that is moved.
+
+    Returns:
+        [vertex] numbers of variables, not consecutive.
+    """
     other = 1 - along
     out = np.empty(len(flat), np.int64)
     parent = np.arange(nodes + len(flat))
@@ -19,13 +41,14 @@ def number_variables(flat, lens, tail, head, nodes, along):
     for i in range(len(lens)):
         out[at] = tail[i]
         for k in range(1, lens[i]):
-            turned = flat[at + k, other] != flat[at + k - 1, other]
+            is_across = flat[at + k, other] != flat[at + k - 1, other]
             if k == lens[i] - 1:
                 out[at + k] = head[i]
-                if turned:
+                if is_across:
                     merge(parent, head[i], out[at + k - 1])
             else:
-                out[at + k] = out[at + k - 1] if turned else nodes + at + k
+                # A step across the axis keeps the coordinate, and with it the variable.
+                out[at + k] = out[at + k - 1] if is_across else nodes + at + k
         at += lens[i]
     for v in range(len(flat)):
         out[v] = root_of(parent, out[v])
@@ -34,7 +57,19 @@ def number_variables(flat, lens, tail, head, nodes, along):
 
 @njit(cache=True)
 def neighbours(flat, lens, mask, variable, along, width, height):
-    """(u, v, steps) for neighbours on a lattice line; False if one variable meets itself there."""
+    """(u, v, steps) for neighbours on a lattice line; False if one variable meets itself there.
+
+    Neighbours joined by a step of their arc may collapse (0 steps), others keep 1.
+
+    Args:
+        flat: [vertex, 2] the paths, one after the other, from 0 on.
+        lens: [arc] vertices of each.
+        mask: [arc] layers, as bits.
+        variable: [vertex] its variable.
+        along: the axis that is moved; lattice lines run along it.
+        width: larger than any x.
+        height: larger than any y.
+    """
     other = 1 - along
     cells = width * height
     pairs = np.empty((2 * len(flat), 3), np.int64)
@@ -42,6 +77,7 @@ def neighbours(flat, lens, mask, variable, along, width, height):
     owner = np.empty(cells, np.int64)
     move = np.empty(cells, np.bool_)
     length = width if along == 0 else height
+    # Every layer is painted with its variables; then each line is read from low to high.
     for layer in range(2):
         owner[:] = -1
         move[:] = False
@@ -73,10 +109,16 @@ def neighbours(flat, lens, mask, variable, along, width, height):
 
 
 @njit(cache=True)
-def _project(target, weight, cons, stiff, low, high, sweeps, tolerance):
+def _project(target, weight, cons, stiff, low, high):
     """Nearest point to `target` under X_v - X_u >= s and limits (dual coordinate ascent).
 
-    `stiff` 0 marks a hard row; else the row is a spring of that stiffness that only pushes.
+    Args:
+        target: [variable] t.
+        weight: [variable] w.
+        cons: [row, 3] (u, v, s).
+        stiff: [row] 0 for a hard row, else it is a spring of that stiffness that only pushes.
+        low: [variable] lower limit.
+        high: [variable] upper limit.
     """
     x = target.copy()
     inverse = 1.0 / weight
@@ -84,15 +126,17 @@ def _project(target, weight, cons, stiff, low, high, sweeps, tolerance):
     force = np.zeros(m)
     floor_force = np.zeros(n)
     roof_force = np.zeros(n)
-    for _ in range(sweeps):
+    for _ in range(MAX_SWEEPS):
         worst = 0.0
         for c in range(m):
             u, v = int(cons[c, 0]), int(cons[c, 1])
             give = inverse[u] + inverse[v]
             need = cons[c, 2] - (x[v] - x[u])
             if stiff[c] > 0:
+                # A spring yields by force / stiffness, so it needs less force.
                 need -= force[c] / stiff[c]
                 give += 1.0 / stiff[c]
+            # A force may fall, but not below 0: constraints only push.
             step = max(need / give, -force[c])
             if step != 0.0:
                 force[c] += step
@@ -110,18 +154,29 @@ def _project(target, weight, cons, stiff, low, high, sweeps, tolerance):
                 roof_force[v] += step
                 x[v] -= step * inverse[v]
                 worst = max(worst, abs(step) * inverse[v])
-        if worst < tolerance:
+        if worst < TOLERANCE:
             break
     return x
 
 
 @njit(cache=True)
 def solve_integers(rows, stiff, ahead, back, target, weight, floor, roof):
-    """Integers nearest to the target; `ahead` and `back` order the rows by place, both ways.
+    """Integers nearest to the target that keep every hard row, and whether they do.
 
-    Sound only if they keep every hard row and lie between floor and roof, which a target that is
-    no number cannot: what is drawn with them stays inside the grid.
+    They are sound only if they keep every hard row and lie between floor and roof, so that what is
+    drawn with them is inside the grid; for a target that is NaN they never are.
+
+    Args:
+        rows: [row, 3] (u, v, s).
+        stiff: [row] 0 for a hard row, else the stiffness of a spring.
+        ahead: [row] order of the rows by the place of u, rising.
+        back: [row] order of the rows by the place of v, falling.
+        target: [variable] wanted coordinates.
+        weight: [variable] above 0.
+        floor: [variable] lower limit.
+        roof: [variable] upper limit.
     """
+    # Longest paths through the constraints give the tightest limits of every variable.
     low, high = floor.copy(), roof.copy()
     for c in ahead:
         if stiff[c] == 0:
@@ -135,7 +190,7 @@ def solve_integers(rows, stiff, ahead, back, target, weight, floor, roof):
     for v in range(len(target)):
         if low[v] > high[v]:
             return out, False
-    x = _project(target, weight, rows[ahead], stiff[ahead], low, high, SWEEPS, TOLERANCE)
+    x = _project(target, weight, rows[ahead], stiff[ahead], low, high)
     for v in range(len(target)):
         x[v] = min(max(np.floor(x[v] + 0.5), low[v]), high[v])
     # Coordinate ascent stops a hair early; these passes make the integers exact.

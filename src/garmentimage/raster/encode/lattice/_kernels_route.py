@@ -1,26 +1,89 @@
-"""Compiled parts of routing: departures round nodes, node places, paths that share no vertex."""
+"""Compiled parts of routing: departures round nodes, node places, paths that share no vertex.
+
+Routing is negotiated congestion (McMurchie and Ebeling, PathFinder, 1995). Every arc takes the
+cheapest path through its corridor, where entering a vertex v costs
+
+    1 + PULL dist²(v, target curve) + sum over the arc's layers (price use(v) + history(v))
+
+and WRONG_TURN more where the first or last step breaks the cyclic order round its node. `use`
+counts the other paths through v, `history` grows in each round in which v has more than one, and
+`price` grows from round to round, so that arcs with another path leave a vertex that others need.
+
+Vertices are numbered y * width + x, directions 0 right, 1 up, 2 left, 3 down, layers are bit masks.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from garmentimage.geometry import drop_first, push
 
-ROUNDS = 40
-"""Rounds of rip-up and re-route before a drawing is given up."""
 WRONG_TURN = 30.0
-"""Cost of leaving a node in another direction than the cyclic order asks for."""
+"""Cost of leaving a node in another direction than the cyclic order wants."""
 PULL = 0.6
 """Cost of a vertex, per squared distance from the target in fine units."""
 FAR = 1e9
-MOST_ENDS = 8
+"""Farther than anything: outside a corridor."""
+TAKEN, CROWDED = 1e17, 1.5
+"""Cost of a vertex for a node where another node of its layers is, or is next to it."""
+MAX_ENDS = 8
 """More arc ends than this round one node cannot be drawn: four on each layer."""
+
+
+class Net(NamedTuple):
+    """What is routed; read only."""
+
+    tail: np.ndarray  # arc
+    head: np.ndarray  # arc
+    layers: np.ndarray  # arc
+    on_axis: np.ndarray  # arc
+    departures: np.ndarray  # arc 2: directions at tail and head, -1 for any
+    node_xy: np.ndarray  # node 2
+    corridors: np.ndarray  # arc y x: squared distance from the target, FAR outside
+    axis: int
+    """Column of the mirror axis, -1 without."""
+
+
+class Traffic(NamedTuple):
+    """What is on the vertices of the lattice."""
+
+    is_node: np.ndarray  # layer vertex
+    use: np.ndarray  # layer vertex: inner vertices of paths on it
+    history: np.ndarray  # layer vertex: cost of past clashes
+
+
+class Routes(NamedTuple):
+    """The paths so far."""
+
+    vertices: np.ndarray  # arc k: from tail to head
+    lens: np.ndarray  # arc: vertices that each has, 0 before the first round
+
+
+class Search(NamedTuple):
+    """Scratch arrays of a search; a path has no loops, so none of them overflows."""
+
+    cost: np.ndarray  # vertex
+    previous: np.ndarray  # vertex
+    keys: np.ndarray  # heap
+    items: np.ndarray  # heap
+    found: np.ndarray  # k: the path, from goal back to start
 
 
 @njit(cache=True)
 def snap_nodes(target, layers, on_axis, axis, order):
     """Nearest distinct lattice points for nodes; a free ring round each is preferred.
 
-    A point lies at most 6 from its target in x and in y, which `MARGIN` leaves room for.
+    Greedy, in the given order: each node takes the vertex that minimises its squared distance plus
+    penalties for nodes of its layers on it or next to it. A point lies at most 6 from its target in
+    x and in y, which `MARGIN` leaves room for.
+
+    Args:
+        target: [node, 2] where nodes should lie.
+        layers: [node] bit masks.
+        on_axis: [node] whether a node must lie on the axis; others must lie right of it.
+        axis: column of the mirror axis, -1 without.
+        order: node numbers, those with the least freedom first.
     """
     count = len(target)
     xy = np.zeros((count, 2), np.int64)
@@ -41,12 +104,12 @@ def snap_nodes(target, layers, on_axis, axis, order):
                         if placed[j] and layers[j] & layers[i]:
                             gx, gy = abs(xy[j, 0] - x), abs(xy[j, 1] - y)
                             if gx == 0 and gy == 0:
-                                cost += 1e17
+                                cost += TAKEN
                             elif gx <= 1 and gy <= 1:
-                                cost += 1.5
+                                cost += CROWDED
                     if cost < best:
                         best, bx, by = cost, x, y
-            if reach >= 2 and best < 1e16:
+            if reach >= 2 and best < TAKEN / 10:
                 break
         xy[i, 0], xy[i, 1] = bx, by
         placed[i] = True
@@ -100,11 +163,72 @@ def distance_field(polyline, radius, out):
 
 
 @njit(cache=True)
-def _shortest(
-    start, goal, mask, leave, arrive, use, history, nodes, field, price, axis, on_axis, work
-):  # fmt: skip
-    """Shortest path in the corridor, as vertex numbers from goal back to start; count in [0]."""
-    cost, previous, keys, items, out, layers = work
+def reroute(order, chosen, net, traffic, price, routes, search):
+    """Take out the paths of the chosen arcs, one by one, and find each a new one.
+
+    Nodes and corridors lie on the lattice, 0 <= x < width and 0 <= y < height; an arc has two
+    different nodes.
+
+    Args:
+        order: arc numbers, in the order in which they are routed.
+        chosen: [arc] which of them.
+        net: a `Net`.
+        traffic: a `Traffic`, changed in place.
+        price: cost of a vertex per path that uses it.
+        routes: a `Routes`, changed in place.
+        search: scratch.
+
+    Returns:
+        False where an arc has no path, or none that fits `routes`.
+    """
+    width = net.corridors.shape[2]
+    for arc in order:
+        if not chosen[arc]:
+            continue
+        _count_use(arc, net, traffic, routes, -1)
+        tail, head = net.node_xy[net.tail[arc]], net.node_xy[net.head[arc]]
+        start, goal = tail[1] * width + tail[0], head[1] * width + head[0]
+        count = _shortest(start, goal, arc, net, traffic, price, search)
+        if count < 2 or count > routes.vertices.shape[1]:
+            return False
+        routes.lens[arc] = count
+        for k in range(count):
+            routes.vertices[arc, k] = search.found[count - 1 - k]
+        _count_use(arc, net, traffic, routes, 1)
+    return True
+
+
+@njit(cache=True)
+def find_clashes(net, traffic, routes, clashing):
+    """Mark in `clashing` the arcs that share an inner vertex with another of their layers."""
+    clashing[:] = False
+    for arc in range(len(clashing)):
+        for k in range(1, routes.lens[arc] - 1):
+            for layer in range(2):
+                is_on = net.layers[arc] >> layer & 1
+                if is_on and traffic.use[layer, routes.vertices[arc, k]] > 1:
+                    clashing[arc] = True
+
+
+@njit(cache=True)
+def _count_use(arc, net, traffic, routes, change):
+    """Add to the use of the inner vertices of an arc's path."""
+    for k in range(1, routes.lens[arc] - 1):
+        for layer in range(2):
+            if net.layers[arc] >> layer & 1:
+                traffic.use[layer, routes.vertices[arc, k]] += change
+
+
+@njit(cache=True)
+def _shortest(start, goal, arc, net, traffic, price, search):
+    """Cheapest path in an arc's corridor (Dijkstra 1959) into `search.found`, goal first.
+
+    Returns the number of its vertices, 0 where there is no path.
+    """
+    cost, previous, keys, items, found = search
+    is_node, use, history = traffic
+    field, axis, on_axis, mask = net.corridors[arc], net.axis, net.on_axis[arc], net.layers[arc]
+    leave, arrive = net.departures[arc, 0], net.departures[arc, 1]
     height, width = field.shape
     cost[:] = FAR * FAR
     cost[start] = 0.0
@@ -133,13 +257,8 @@ def _shortest(
             if other == goal and arrive >= 0 and step != (arrive + 2) % 4:
                 extra += WRONG_TURN
             if other != goal:
-                blocked = False
-                for layer in range(layers):
-                    if mask >> layer & 1:
-                        if nodes[layer, other]:
-                            blocked = True
-                        extra += price * use[layer, other] + history[layer, other]
-                if blocked:
+                extra = _with_congestion(extra, other, mask, is_node, use, history, price)
+                if extra < 0.0:
                     continue
             total = key + 1.0 + PULL * field[y, x] + extra
             if total < cost[other] - 1e-12:
@@ -151,174 +270,154 @@ def _shortest(
         return 0
     count, vertex = 0, goal
     while vertex >= 0:
-        out[count] = vertex
+        found[count] = vertex
         count += 1
         vertex = previous[vertex]
     return count
 
 
 @njit(cache=True)
-def route_all(
-    order, tail, head, mask, on_axis, leaving, node_xy, node_layers, targets, starts, radius,
-    width, height, axis, rounds,
-):  # fmt: skip
-    """Paths that share no vertex in a layer: (1, vertices, counts), or (0 or 2, none, counts).
-
-    Nodes and targets lie on the lattice, 0 <= x < width and 0 <= y < height; an arc has two points
-    or more. Paths have no loops, so a heap or a path never holds more than its array.
-    """
-    arcs, size, layers = len(tail), width * height, 2
-    use = np.zeros((layers, size), np.int32)
-    history = np.zeros((layers, size))
-    nodes = np.zeros((layers, size), np.bool_)
-    for n in range(len(node_xy)):
-        for layer in range(layers):
-            if node_layers[n] >> layer & 1:
-                nodes[layer, node_xy[n, 1] * width + node_xy[n, 0]] = True
-    fields = np.empty((arcs, height, width), np.float32)
-    lens = np.zeros(arcs, np.int64)
-    room = 4 * (width + height)
-    paths = np.zeros((arcs, room), np.int32)
-    work = (
-        np.empty(size),
-        np.empty(size, np.int32),
-        np.empty(4 * size),
-        np.empty(4 * size, np.int32),
-        np.empty(size, np.int32),
-        layers,
-    )
-    out = work[4]
-    for i in range(arcs):
-        line = targets[starts[i] : starts[i + 1]].copy()
-        line[0, 0], line[0, 1] = node_xy[tail[i], 0], node_xy[tail[i], 1]
-        line[-1, 0], line[-1, 1] = node_xy[head[i], 0], node_xy[head[i], 1]
-        distance_field(line, radius, fields[i])
-    price = 8.0
-    again = np.ones(arcs, np.bool_)
-    for _ in range(rounds):
-        for i in order:
-            if not again[i]:
-                continue
-            for k in range(1, lens[i] - 1):
-                for layer in range(layers):
-                    if mask[i] >> layer & 1:
-                        use[layer, paths[i, k]] -= 1
-            start = node_xy[tail[i], 1] * width + node_xy[tail[i], 0]
-            goal = node_xy[head[i], 1] * width + node_xy[head[i], 0]
-            count = _shortest(
-                start, goal, mask[i], leaving[i, 0], leaving[i, 1], use, history, nodes,
-                fields[i], price, axis, on_axis[i], work,
-            )  # fmt: skip
-            if count < 2 or count > room:
-                return 0, np.zeros((0, 2), np.int64), lens
-            lens[i] = count
-            for k in range(count):
-                paths[i, k] = out[count - 1 - k]
-            for k in range(1, count - 1):
-                for layer in range(layers):
-                    if mask[i] >> layer & 1:
-                        use[layer, paths[i, k]] += 1
-        clash = False
-        again[:] = False
-        for i in range(arcs):
-            for k in range(1, lens[i] - 1):
-                for layer in range(layers):
-                    if mask[i] >> layer & 1 and use[layer, paths[i, k]] > 1:
-                        again[i] = True
-                        clash = True
-        if not clash:
-            flat = np.empty((lens.sum(), 2), np.int64)
-            at = 0
-            for i in range(arcs):
-                for k in range(lens[i]):
-                    flat[at, 0], flat[at, 1] = paths[i, k] % width, paths[i, k] // width
-                    at += 1
-            return 1, flat, lens
-        for layer in range(layers):
-            for v in range(size):
-                if use[layer, v] > 1:
-                    history[layer, v] += 4.0
-        price *= 1.5
-    return 2, np.zeros((0, 2), np.int64), lens
+def _with_congestion(extra, vertex, mask, is_node, use, history, price):
+    """`extra` and what the traffic on a vertex costs, or -1 where a node blocks it."""
+    for layer in range(2):
+        if mask >> layer & 1:
+            if is_node[layer, vertex]:
+                return -1.0
+            extra += price * use[layer, vertex] + history[layer, vertex]
+    return extra
 
 
 @njit(cache=True)
 def choose_departures(tail, head, layers, on_axis, node_on_axis, angles, nodes, has_axis):
-    arcs = len(tail)
-    out = np.full((arcs, 2), -1, np.int64)
-    ends = np.empty((MOST_ENDS, 2), np.int64)
+    """Directions in which arcs leave their nodes (see `rotation.departures`).
+
+    Of all assignments of the four directions to the arc ends of a node that give no two arcs of a
+    layer one direction, and have on each layer the cyclic order of the angles, the one that turns
+    the arcs least: the sum of 1 - cos(angle - direction) is smallest. At most 4^8 are tried.
+
+    Args:
+        tail: [arc] node at the start.
+        head: [arc] node at the end.
+        layers: [arc] bit masks.
+        on_axis: [arc] whether the whole arc lies on the mirror axis.
+        node_on_axis: [node] whether a node lies there.
+        angles: [arc, 2] in which the target leaves tail and head [radians].
+        nodes: how many there are.
+        has_axis: only the half right of a mirror axis is drawn.
+
+    Returns:
+        [arc, 2] directions, -1 where any will serve.
+    """
+    out = np.full((len(tail), 2), -1, np.int64)
+    room = np.empty((MAX_ENDS, 2), np.int64)
     for node in range(nodes):
-        count = 0
-        degree = np.zeros(2, np.int64)
-        fits = True
-        for arc in range(arcs):
-            for end in range(2):
-                if (tail[arc] if end == 0 else head[arc]) == node:
-                    if count == MOST_ENDS:
-                        fits = False
-                        continue
-                    ends[count, 0], ends[count, 1] = arc, end
-                    count += 1
-                    for layer in range(2):
-                        degree[layer] += layers[arc] >> layer & 1
+        count = _ends_at(node, tail, head, room)
+        ends = room[: min(count, MAX_ENDS)]
         if has_axis and node_on_axis[node]:
-            for k in range(count):
-                arc, end = ends[k]
-                if on_axis[arc]:
-                    out[arc, end] = 1 if np.sin(angles[arc, end]) > 0 else 3
-                else:
-                    out[arc, end] = 0
-            continue
-        if not fits or degree.max() <= 2 or degree.max() > 4:
-            continue
-        best = 1e18
-        pick = np.zeros(count, np.int64)
-        for code in range(4**count):
-            rest, cost = code, 0.0
-            taken = np.zeros((2, 4), np.bool_)
-            good = True
-            for k in range(count):
-                d = rest % 4
-                rest //= 4
-                pick[k] = d
-                arc, end = ends[k]
-                for layer in range(2):
-                    if layers[arc] >> layer & 1:
-                        good = good and not taken[layer, d]
-                        taken[layer, d] = True
-                if not good:
-                    break
-                turn = angles[arc, end] - d * np.pi / 2
-                cost += 1.0 - np.cos(turn)
-                if cost >= best:
-                    good = False
-                    break
-            if not good:
-                continue
-            for layer in range(2):
-                if not _keeps_order(ends, pick, count, angles, layers, layer):
-                    good = False
-            if good:
-                best = cost
-                for k in range(count):
-                    out[ends[k, 0], ends[k, 1]] = pick[k]
+            _leave_axis(ends, on_axis, angles, out)
+        elif count <= MAX_ENDS:
+            degree = max(_degree(ends, layers, 0), _degree(ends, layers, 1))
+            if 2 < degree <= 4:
+                _leave_in_order(ends, layers, angles, out)
     return out
 
 
 @njit(cache=True)
-def _keeps_order(ends, pick, count, angles, layers, layer):
+def _ends_at(node, tail, head, out):
+    """Write the arc ends (arc, 0 at its tail or 1 at its head) at a node; how many there are."""
+    count = 0
+    for arc in range(len(tail)):
+        for end in range(2):
+            if (tail[arc] if end == 0 else head[arc]) == node:
+                if count < len(out):
+                    out[count, 0], out[count, 1] = arc, end
+                count += 1
+    return count
+
+
+@njit(cache=True)
+def _degree(ends, layers, layer):
+    """How many of the arc ends are on a layer."""
+    count = 0
+    for k in range(len(ends)):
+        count += layers[ends[k, 0]] >> layer & 1
+    return count
+
+
+@njit(cache=True)
+def _leave_axis(ends, on_axis, angles, out):
+    """From a node on the axis, arcs on it go up or down and all others to the right."""
+    for k in range(len(ends)):
+        arc, end = ends[k]
+        if on_axis[arc]:
+            out[arc, end] = 1 if np.sin(angles[arc, end]) > 0 else 3
+        else:
+            out[arc, end] = 0
+
+
+@njit(cache=True)
+def _leave_in_order(ends, layers, angles, out):
+    """The directions that turn the arcs at a node least and keep their cyclic order."""
+    count = len(ends)
+    best = FAR * FAR
+    pick = np.zeros(count, np.int64)
+    for code in range(4**count):
+        cost = _turning(code, ends, layers, angles, best, pick)
+        if cost >= best:
+            continue
+        if _keeps_order(ends, pick, layers, angles, 0) and _keeps_order(
+            ends, pick, layers, angles, 1
+        ):
+            best = cost
+            for k in range(count):
+                out[ends[k, 0], ends[k, 1]] = pick[k]
+
+
+@njit(cache=True)
+def _turning(code, ends, layers, angles, limit, pick):
+    """How much the directions that are the base-4 digits of `code`, put in `pick`, turn the arcs.
+
+    At least `limit` where they turn them that much, or two arcs of a layer have one direction.
+    """
+    cost = 0.0
+    taken = np.zeros((2, 4), np.bool_)
+    for k in range(len(ends)):
+        d = code % 4
+        code //= 4
+        pick[k] = d
+        arc, end = ends[k]
+        for layer in range(2):
+            if layers[arc] >> layer & 1:
+                if taken[layer, d]:
+                    return limit
+                taken[layer, d] = True
+        cost += 1.0 - np.cos(angles[arc, end] - d * np.pi / 2)
+        if cost >= limit:
+            return limit
+    return cost
+
+
+@njit(cache=True)
+def _keeps_order(ends, pick, layers, angles, layer):
     """Whether directions and angles of one layer's arcs have the same cyclic order."""
-    by_direction = np.full(4, -1.0)
-    n = 0
-    for k in range(count):
+    by_direction = np.empty(4)
+    is_taken = np.zeros(4, np.bool_)
+    for k in range(len(ends)):
         if layers[ends[k, 0]] >> layer & 1:
+            # Adding 10 rounds the last bits off: angles that differ by them alone are in any order.
             by_direction[pick[k]] = angles[ends[k, 0], ends[k, 1]] + 10.0
-            n += 1
-    if n < 3:
+            is_taken[pick[k]] = True
+    return is_cyclic_order(by_direction[is_taken])
+
+
+@njit(cache=True)
+def is_cyclic_order(values):
+    """Whether numbers rise all the way round but for one place where they start again."""
+    count = len(values)
+    if count < 3:
         return True
     falls = 0
-    order = by_direction[by_direction > 0]
-    for k in range(n):
-        if order[(k + 1) % n] < order[k]:
+    for k in range(count):
+        if values[(k + 1) % count] < values[k]:
             falls += 1
     return falls == 1

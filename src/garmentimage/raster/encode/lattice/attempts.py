@@ -11,18 +11,18 @@ from garmentimage.errors import EncodeError, quoted
 from garmentimage.raster.encode.lattice.canonical import canonical
 from garmentimage.raster.encode.lattice.compact import compact
 from garmentimage.raster.encode.lattice.drawing import (
-    MOST_NEEDED,
+    MAX_REQUIRED_EDGES,
     Drawing,
     Path,
     drawing_of,
     joined_links,
-    with_bends,
     with_links,
+    with_required_edges,
 )
 from garmentimage.raster.encode.lattice.polish import polish
 from garmentimage.raster.encode.lattice.route import FinePaths, route
-from garmentimage.raster.encode.lattice.symmetry import find_mirror, halve
-from garmentimage.raster.encode.layout import Layout, SeamComplex
+from garmentimage.raster.encode.lattice.symmetry import find_mirror, right_half
+from garmentimage.raster.encode.layout import Layout, SeamGraph
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
 
@@ -56,7 +56,7 @@ def drawings(
     """Lattice paths of the arcs, best attempt first; failures as they come."""
     whole = drawing_of(layout, frame)
     mirror = find_mirror(layout) if frame.is_symmetric else None
-    half = halve(whole, mirror) if mirror is not None else None
+    half = right_half(whole, mirror) if mirror is not None else None
     for part in (half, None) if half is not None else (None,):
         for factor, radius, in_order in attempts:
             fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
@@ -75,7 +75,7 @@ def _crossing(layout: Layout) -> str:
     """For a message: the panels of two seams that cross when the garment is laid flat, if any."""
     import shapely
 
-    arcs, panels = layout.complex.arcs, layout.complex.placed.panels
+    arcs, panels = layout.graph.arcs, layout.graph.placed.panels
     lines = [shapely.LineString(curve) for curve in layout.curves]
     pairs = shapely.STRtree(lines).query(lines, predicate="intersects").T
     for i, j in sorted(map(tuple, pairs.tolist())):
@@ -86,13 +86,13 @@ def _crossing(layout: Layout) -> str:
                 f" (laid flat, seams of panels {', '.join(map(quoted, names))} cross; leave a "
                 "panel out or check where it is placed)"
             )
-    return _slit(layout.complex)
+    return _slit(layout.graph)
 
 
-def _slit(complex_: SeamComplex) -> str:
+def _slit(graph: SeamGraph) -> str:
     """For a message: the shortest free edge, where it is too short to be meant for an opening."""
     lengths: dict[tuple[int, frozenset[int]], float] = {}
-    for arc in complex_.arcs:
+    for arc in graph.arcs:
         if arc.kind == EdgeType.NON_STITCH:
             # The halves of an edge that closes on itself are one opening.
             opening = arc.sides[0][0], frozenset((arc.a, arc.b))
@@ -103,7 +103,7 @@ def _slit(complex_: SeamComplex) -> str:
     if length >= SLIT_CM:
         return ""
     return (
-        f" (panel {quoted(complex_.placed.panels[panel].source)} has a free edge of only "
+        f" (panel {quoted(graph.placed.panels[panel].source)} has a free edge of only "
         f"{length:.2g} cm; a grid has no room for so small an opening: sew it, or leave it out)"
     )
 
@@ -117,8 +117,8 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = T
     seen = canonical(drawing)
     plain = with_links(seen.drawing)
     drawn = route(plain, fine, radius, in_order)
-    for most in MOST_NEEDED:
-        linked = with_bends(plain, most)
+    for limit in MAX_REQUIRED_EDGES:
+        linked = with_required_edges(plain, limit)
         state = _compacted(linked, drawn)
         if state is not None:
             paths = polish(linked, state, 1, drawing.grid - 1)

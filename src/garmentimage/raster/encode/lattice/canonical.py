@@ -1,13 +1,15 @@
-"""One way to look at a drawing, so that order, direction and handedness of the input cannot matter.
+"""A canonical numbering of a drawing, so that order, direction and handedness cannot matter.
 
 Arcs and nodes are numbered by where they lie and arcs run upwards; a garment that is not
-symmetric is turned to the side that its arcs lean to. What is drawn is turned back afterwards, so
-a mirrored garment gives exactly the mirrored image.
+symmetric is mirrored to the side that its arcs lean to. What is drawn is mirrored back afterwards,
+so a mirrored garment gives exactly the mirrored image.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentimage.raster.encode.lattice.drawing import Drawing, Path
 
@@ -19,7 +21,7 @@ ROUNDING = 6
 
 @dataclass(frozen=True)
 class Canonical:
-    """A renumbered drawing and the way back."""
+    """A renumbered drawing, and how its paths become those of the original."""
 
     drawing: Drawing
     arc: tuple[int, ...]
@@ -27,12 +29,11 @@ class Canonical:
     reverse: tuple[bool, ...]
     """The arc runs against the original."""
     mirrored: bool
-    count: int
 
     def restore(self, paths: list[Path]) -> list[Path]:
         """Paths of the original drawing."""
-        out: list[Path] = [np.zeros((0, 2), np.int64)] * self.count
-        for arc, back, path in zip(self.arc, self.reverse, paths):
+        out: list[Path] = [np.zeros((0, 2), np.int64)] * len(self.arc)
+        for arc, back, path in zip(self.arc, self.reverse, paths, strict=True):
             path = path[::-1] if back else path
             out[arc] = path * [-1, 1] + [self.drawing.grid, 0] if self.mirrored else path
         return out
@@ -40,62 +41,53 @@ class Canonical:
 
 def canonical(drawing: Drawing) -> Canonical:
     """Renumber a drawing by place. Links that it has become plain arcs: join them afterwards."""
-    curves = [c.round(ROUNDING) for c in drawing.curves]
-    mirrored = drawing.axis is None and _leans_left(drawing, curves)
+    nodes, grid = drawing.nodes, drawing.grid
+    arcs = replace(drawing.arcs, curves=tuple(c.round(ROUNDING) for c in drawing.arcs.curves))
+    mirrored = drawing.axis is None and _leans_left(arcs.curves, arcs.layers, grid)
     if mirrored:
-        flip, shift = np.array([-1.0, 1.0]), np.array([drawing.grid, 0.0])
-        curves = [c * flip + shift for c in curves]
-        drawing = replace(drawing, node_target=drawing.node_target * flip + shift)
-    reverse = [_height(c[0]) > _height(c[-1]) for c in curves]
-    curves = [c[::-1] if back else c for c, back in zip(curves, reverse)]
+        flip, shift = np.array([-1.0, 1.0]), np.array([grid, 0.0])
+        arcs = replace(arcs, curves=tuple(c * flip + shift for c in arcs.curves))
+        nodes = replace(nodes, target=nodes.target * flip + shift)
+    reverse = tuple(_height(c[0]) > _height(c[-1]) for c in arcs.curves)
+    arcs = arcs.with_reversed(reverse)
     order = sorted(
-        range(len(curves)),
+        range(len(arcs)),
         key=lambda i: (
-            round(_height(curves[i][len(curves[i]) // 2]), ROUNDING),
-            round(_height(curves[i][0]), ROUNDING),
-            round(_height(curves[i][-1]), ROUNDING),
-            int(drawing.layers[i]),
+            round(_height(arcs.curves[i][len(arcs.curves[i]) // 2]), ROUNDING),
+            round(_height(arcs.curves[i][0]), ROUNDING),
+            round(_height(arcs.curves[i][-1]), ROUNDING),
+            int(arcs.layers[i]),
         ),
     )
-    tail = np.where(reverse, drawing.head, drawing.tail)[order]
-    head = np.where(reverse, drawing.tail, drawing.head)[order]
-    ends = np.stack([tail, head], axis=1).ravel()
-    nodes = list(dict.fromkeys(ends.tolist()))
-    number = np.zeros(len(drawing.node_target), np.int64)
-    number[nodes] = np.arange(len(nodes))
+    arcs = arcs.take(order)
+    # Nodes in the order in which the arcs meet them.
+    ends = np.stack([arcs.tail, arcs.head], axis=1).ravel()
+    met = list(dict.fromkeys(ends.tolist()))
+    number = np.zeros(len(nodes), np.int64)
+    number[met] = np.arange(len(met))
+    nodes = nodes.take(met)
     renumbered = replace(
         drawing,
-        node_target=drawing.node_target[nodes].round(ROUNDING),
-        node_layers=drawing.node_layers[nodes],
-        node_on_axis=drawing.node_on_axis[nodes],
-        tail=number[tail],
-        head=number[head],
-        layers=drawing.layers[order],
-        free=drawing.free[order],
-        on_axis=drawing.on_axis[order],
-        curves=tuple(curves[i] for i in order),
-        least=drawing.least[order],
-        need=drawing.need[order],
-        wish=drawing.wish[order],
-        weight=drawing.weight[order],
+        nodes=replace(nodes, target=nodes.target.round(ROUNDING)),
+        arcs=replace(arcs, tail=number[arcs.tail], head=number[arcs.head]),
         links=(),
     )
-    return Canonical(
-        renumbered, tuple(order), tuple(bool(reverse[i]) for i in order), mirrored, len(curves)
-    )
+    return Canonical(renumbered, tuple(order), tuple(reverse[i] for i in order), mirrored)
 
 
-def _height(point: np.ndarray) -> float:
+def _height(point: Float[np.ndarray, " 2"]) -> float:
     return float(point[1] + LEAN * point[0])
 
 
-def _leans_left(drawing: Drawing, curves: list[np.ndarray]) -> bool:
+def _leans_left(
+    curves: Sequence[Float[np.ndarray, "_ 2"]], layers: Int[np.ndarray, " arc"], grid: int
+) -> bool:
     """Whether the arcs' third moment about the middle column lies to the left."""
     moment = 0.0
-    for curve, layers in zip(curves, drawing.layers):
-        x = curve[:, 0] - drawing.grid / 2
+    for curve, mask in zip(curves, layers.tolist(), strict=True):
+        x = curve[:, 0] - grid / 2
         steps = np.hypot(*np.diff(curve, axis=0).T)
         # Layers and heights weigh differently, so that few asymmetric garments balance out.
-        weight = steps * (1.0 + 0.37 * (layers == 1)) * (1.0 + 0.05 * curve[1:, 1])
+        weight = steps * (1.0 + 0.37 * (mask == 1)) * (1.0 + 0.05 * curve[1:, 1])
         moment += float((weight * ((x[1:] + x[:-1]) / 2) ** 3).sum())
     return moment < 0

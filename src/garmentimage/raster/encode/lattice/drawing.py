@@ -1,4 +1,4 @@
-"""The graph that is drawn on the lattice: nodes, arcs, and where they would like to be.
+"""The graph that is drawn on the lattice: nodes, arcs, and the grid edges that arcs need.
 
 Words of this file: a **node** is a point where seams end, an **arc** a seam or free edge between
 two nodes; both live on one or several layers (bit masks). **Lattice coordinates** count grid
@@ -6,7 +6,9 @@ lines. A **link** is a helper arc of one step in front of two free arcs, because
 has only four grid edges. With a mirror **axis** only the right half of a garment is drawn.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple, Self, cast
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -22,105 +24,199 @@ CHORD_TOLERANCE = 0.5
 """A curve should be followed by its chords within this [cm] ..."""
 CHORD_SHARE = 0.02
 """... or within this share of its length."""
-MOST_CHORDS = 4.0
-"""No arc asks for more grid edges than this."""
+MAX_DESIRED_EDGES = 4.0
+"""No arc desires more grid edges than this."""
 LENGTH_LOSS = (0.014, 0.35)
 """What a seam may lose of its length: a share, or so much [cm], whichever is more."""
 AREA_LOSS = 0.03
 """What a panel may gain or lose of its area along one edge, as a share."""
-MOST_NEEDED = (6, 3, 2, 1)
-"""Grid edges that an arc may insist on, tried in turn until the grid has room."""
+MAX_REQUIRED_EDGES = (6, 3, 2, 1)
+"""Grid edges that an arc may require, tried in turn until the grid has room."""
 SHORT_ARC = 4.0
-"""Arcs shorter than this [cm] ask for one grid edge."""
-LATTICE_DEGREE = 4
+"""Arcs shorter than this [cm] desire one grid edge."""
+MAX_DEGREE = 4
+"""Arcs of one layer that can leave a lattice vertex."""
 LIMB_WEIGHT = 0.02
-"""Weight of the wishes of sleeves and hoods, next to 1 for the trunk: where both want a grid line,
-the sleeve makes way, and the trunk looks the same with it as without."""
+"""Weight of the targets of sleeves and hoods, next to 1 for the trunk: where both need a grid
+line, the sleeve gives it up, and the trunk looks the same with it as without."""
 
-Path = Int[np.ndarray, "n 2"]
+Path = Int[np.ndarray, "_ 2"]
+
+
+class _Records:
+    """Parallel columns (arrays, or tuples of arrays), one row per record."""
+
+    def _columns(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(cast(Any, self))}
+
+    def take(self, rows: Sequence[int] | Int[np.ndarray, " _"]) -> Self:
+        """The given rows, in the given order."""
+        rows = np.asarray(rows, np.int64)
+        return type(self)(
+            **{
+                name: tuple(column[i] for i in rows) if isinstance(column, tuple) else column[rows]
+                for name, column in self._columns().items()
+            }
+        )
+
+    def append(self, **row: Any) -> Self:
+        """The records and one more, given by its fields."""
+        return type(self)(
+            **{
+                name: (*column, row[name])
+                if isinstance(column, tuple)
+                else np.concatenate([column, np.array([row[name]], column.dtype)])
+                for name, column in self._columns().items()
+            }
+        )
 
 
 @dataclass(frozen=True)
-class Drawing:
-    """A graph with its wishes; indices of arcs and nodes are those of the seam complex."""
+class Nodes(_Records):
+    """Where arcs end; indices are those of the seam graph, new nodes at the end."""
 
-    node_target: Float[np.ndarray, "node 2"]
-    node_layers: Int[np.ndarray, " node"]
+    target: Float[np.ndarray, "node 2"]
+    """In lattice coordinates."""
+    layers: Int[np.ndarray, " node"]
     """Bit mask of layers."""
-    node_on_axis: Bool[np.ndarray, " node"]
+    on_axis: Bool[np.ndarray, " node"]
+    """The node lies on the mirror axis."""
+
+    def __len__(self) -> int:
+        return len(self.layers)
+
+
+@dataclass(frozen=True)
+class Arcs(_Records):
+    """What is drawn; indices are those of the seam graph, links at the end."""
+
     tail: Int[np.ndarray, " arc"]
     head: Int[np.ndarray, " arc"]
     layers: Int[np.ndarray, " arc"]
     """Bit mask of layers."""
-    free: Bool[np.ndarray, " arc"]
+    is_free: Bool[np.ndarray, " arc"]
     """The arc is sewn to nothing."""
     on_axis: Bool[np.ndarray, " arc"]
     """The whole arc lies on the mirror axis."""
-    curves: tuple[Float[np.ndarray, "n 2"], ...]
+    curves: tuple[Float[np.ndarray, "_ 2"], ...]
     """Target of each arc, from tail to head, in lattice coordinates."""
-    least: Int[np.ndarray, " arc"]
+    min_edges: Int[np.ndarray, " arc"]
     """Fewest grid edges that the arc may have."""
-    need: Int[np.ndarray, " arc"]
+    required_edges: Int[np.ndarray, " arc"]
     """Grid edges below which the arc's length or its panel's area would be lost."""
-    wish: Float[np.ndarray, " arc"]
-    """Grid edges with which the arc's shape would survive."""
+    desired_edges: Float[np.ndarray, " arc"]
+    """Grid edges with which the arc's shape would be kept."""
     weight: Float[np.ndarray, " arc"]
-    """How much the arc's wishes count, next to 1 for the trunk."""
+    """How much the arc's targets count, next to 1 for the trunk."""
+
+    def __len__(self) -> int:
+        return len(self.tail)
+
+    def on_layer(self, layer: int) -> Bool[np.ndarray, " arc"]:
+        """Which arcs lie on a layer."""
+        return np.asarray((self.layers >> layer & 1).astype(bool))
+
+    def with_reversed(self, is_reversed: Sequence[bool]) -> "Arcs":
+        """The arcs, those marked run from head to tail."""
+        return replace(
+            self,
+            tail=np.where(is_reversed, self.head, self.tail),
+            head=np.where(is_reversed, self.tail, self.head),
+            curves=tuple(
+                c[::-1] if back else c for c, back in zip(self.curves, is_reversed, strict=True)
+            ),
+        )
+
+    def with_end(
+        self, arc: int, at_head: bool, node: int, point: Float[np.ndarray, " 2"]
+    ) -> "Arcs":
+        """The arcs, one end of one of them moved to another node."""
+        ends = (self.head if at_head else self.tail).copy()
+        ends[arc] = node
+        curve = self.curves[arc].copy()
+        curve[-1 if at_head else 0] = point
+        curves = (*self.curves[:arc], curve, *self.curves[arc + 1 :])
+        return replace(self, curves=curves, **{"head" if at_head else "tail": ends})
+
+
+class Link(NamedTuple):
+    """An arc whose path is prolonged by that of a link."""
+
+    arc: int
+    link: int
+    """Number of the link among the arcs."""
+    at_head: bool
+    """The link joins the arc at its head, not at its tail."""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A graph and what its drawing should be like."""
+
+    nodes: Nodes
+    arcs: Arcs
     grid: int
     axis: int | None = None
     """Lattice column of the mirror axis; nothing is drawn left of it."""
-    links: tuple[tuple[int, int, bool], ...] = ()
-    """(arc, link, at the arc's head): the arc's path is prolonged by the link's."""
+    links: tuple[Link, ...] = ()
 
     @property
     def node_weight(self) -> Float[np.ndarray, " node"]:
-        """How much a node's wish counts: as its weightiest arc."""
-        weight = np.zeros(len(self.node_target))
-        np.maximum.at(weight, self.tail, self.weight)
-        np.maximum.at(weight, self.head, self.weight)
+        """How much a node's target counts: as its weightiest arc."""
+        weight = np.zeros(len(self.nodes))
+        np.maximum.at(weight, self.arcs.tail, self.arcs.weight)
+        np.maximum.at(weight, self.arcs.head, self.arcs.weight)
         return weight
-
-    @property
-    def arc_count(self) -> int:
-        """Number of arcs, links included."""
-        return len(self.tail)
 
 
 def drawing_of(layout: Layout, frame: BodyFrame) -> Drawing:
-    """The drawing that a layout asks for in a body frame."""
-    arcs = layout.complex.arcs
-    count = layout.complex.node_count
-    tail = np.array([arc.a for arc in arcs])
-    head = np.array([arc.b for arc in arcs])
-    layers = np.array([sum(1 << layer for layer in arc.layers) for arc in arcs])
+    """The drawing that a layout calls for in a body frame."""
+    graph = layout.graph
+    tail = np.array([arc.a for arc in graph.arcs])
+    head = np.array([arc.b for arc in graph.arcs])
+    layers = np.array([sum(1 << layer for layer in arc.layers) for arc in graph.arcs])
     curves = tuple(frame.to_lattice(curve) for curve in layout.curves)
-    node_layers = np.zeros(count, np.int64)
-    np.bitwise_or.at(node_layers, tail, layers)
-    np.bitwise_or.at(node_layers, head, layers)
-    node_target = np.zeros((count, 2))
-    for i in range(len(arcs)):
-        node_target[tail[i]], node_target[head[i]] = curves[i][0], curves[i][-1]
-    return Drawing(
-        node_target=node_target,
-        node_layers=node_layers,
-        node_on_axis=np.zeros(count, bool),
+    target = np.zeros((graph.node_count, 2))
+    for curve, a, b in zip(curves, tail, head, strict=True):
+        target[a], target[b] = curve[0], curve[-1]
+    nodes = Nodes(
+        target=target,
+        layers=layers_used(graph.node_count, tail, head, layers),
+        on_axis=np.zeros(graph.node_count, bool),
+    )
+    arcs = Arcs(
         tail=tail,
         head=head,
         layers=layers,
-        free=np.array([arc.kind == EdgeType.NON_STITCH for arc in arcs]),
-        on_axis=np.zeros(len(arcs), bool),
+        is_free=np.array([arc.kind == EdgeType.NON_STITCH for arc in graph.arcs]),
+        on_axis=np.zeros(len(graph.arcs), bool),
         curves=curves,
-        least=_least(tail, head, layers),
-        need=np.array([_need(layout, i) for i in range(len(arcs))]),
-        wish=np.array([_wish(layout, i) for i in range(len(arcs))]),
+        min_edges=_min_edges(tail, head, layers),
+        required_edges=np.array([_required_edges(layout, i) for i in range(len(graph.arcs))]),
+        desired_edges=np.array([_desired_edges(layout, i) for i in range(len(graph.arcs))]),
         weight=_weight(layout),
-        grid=frame.grid,
     )
+    return Drawing(nodes, arcs, frame.grid)
 
 
-def with_bends(drawing: Drawing, most: int) -> Drawing:
-    """Bent arcs insist on the grid edges that they need, up to `most`."""
-    return replace(drawing, least=np.maximum(drawing.least, np.minimum(drawing.need, most)))
+def layers_used(
+    count: int,
+    tail: Int[np.ndarray, " arc"],
+    head: Int[np.ndarray, " arc"],
+    layers: Int[np.ndarray, " arc"],
+) -> Int[np.ndarray, " node"]:
+    """The layers of each of `count` nodes: those of its arcs."""
+    used = np.zeros(count, np.int64)
+    np.bitwise_or.at(used, tail, layers)
+    np.bitwise_or.at(used, head, layers)
+    return used
+
+
+def with_required_edges(drawing: Drawing, limit: int) -> Drawing:
+    """The drawing, where no arc may have fewer grid edges than it requires, up to a limit."""
+    arcs = drawing.arcs
+    least = np.maximum(arcs.min_edges, np.minimum(arcs.required_edges, limit))
+    return replace(drawing, arcs=replace(arcs, min_edges=least))
 
 
 def with_links(drawing: Drawing) -> Drawing:
@@ -129,76 +225,70 @@ def with_links(drawing: Drawing) -> Drawing:
     Raises:
         EncodeError: five sewn seams meet in one point.
     """
-    degree = np.zeros((2, len(drawing.node_target)), int)
+    degree = np.zeros((2, len(drawing.nodes)), int)
     for layer in (0, 1):
-        on = (drawing.layers >> layer & 1).astype(bool)
-        np.add.at(degree[layer], drawing.tail[on], 1)
-        np.add.at(degree[layer], drawing.head[on], 1)
-    for layer, node in zip(*np.nonzero(degree > LATTICE_DEGREE)):
-        drawing = _with_link(drawing, int(layer), int(node))
+        on = drawing.arcs.on_layer(layer)
+        np.add.at(degree[layer], drawing.arcs.tail[on], 1)
+        np.add.at(degree[layer], drawing.arcs.head[on], 1)
+    for layer, node in np.argwhere(degree > MAX_DEGREE).tolist():
+        drawing = _with_link(drawing, layer, node)
     return drawing
 
 
 def _with_link(drawing: Drawing, layer: int, node: int) -> Drawing:
+    """Two arc ends beside one gap get a node of their own, to which a link leads."""
+    ends = _linkable_ends(drawing, layer, node)
+    nodes, arcs = drawing.nodes, drawing.arcs
+    new, link = len(nodes), len(arcs)
+    middle = np.mean([arcs.curves[arc][-2 if at_head else 1] for arc, at_head in ends], axis=0)
+    for arc, at_head in ends:
+        arcs = arcs.with_end(arc, at_head, new, middle)
+    return replace(
+        drawing,
+        nodes=nodes.append(target=middle, layers=1 << layer, on_axis=False),
+        arcs=arcs.append(
+            tail=node,
+            head=new,
+            layers=1 << layer,
+            is_free=True,
+            on_axis=False,
+            curves=np.stack([nodes.target[node], middle]),
+            min_edges=1,
+            required_edges=1,
+            desired_edges=1.0,
+            weight=arcs.weight[[arc for arc, _ in ends]].max(),
+        ),
+        links=(*drawing.links, *(Link(arc, link, at_head) for arc, at_head in ends)),
+    )
+
+
+def _linkable_ends(drawing: Drawing, layer: int, node: int) -> list[tuple[int, bool]]:
+    """The two free arc ends (arc, at its head) beside the narrowest gap round a node.
+
+    Raises:
+        EncodeError: no two free arcs of this layer alone are neighbours.
+    """
+    arcs = drawing.arcs
     star = []
-    for arc in range(drawing.arc_count):
-        for at_head, end in ((False, drawing.tail[arc]), (True, drawing.head[arc])):
-            if end == node and drawing.layers[arc] >> layer & 1:
-                curve = drawing.curves[arc][::-1] if at_head else drawing.curves[arc]
+    for arc in range(len(arcs)):
+        for at_head, end in ((False, arcs.tail[arc]), (True, arcs.head[arc])):
+            if end == node and arcs.layers[arc] >> layer & 1:
+                curve = arcs.curves[arc][::-1] if at_head else arcs.curves[arc]
                 away = curve[min(2, len(curve) - 1)] - curve[0]
                 star.append((float(np.arctan2(away[1], away[0])), arc, at_head))
     star.sort()
-    best = None
-    for first, second in zip(star, star[1:] + star[:1]):
-        gap = (second[0] - first[0]) % (2 * np.pi)
-        single = all(drawing.layers[x[1]] == 1 << layer for x in (first, second))
-        if (
-            single
-            and drawing.free[[first[1], second[1]]].all()
-            and first[1] != second[1]
-            and (best is None or gap < best[0])
-        ):
-            best = (gap, first, second)
-    if best is None:
+    gaps = []
+    for first, second in zip(star, star[1:] + star[:1], strict=True):
+        pair = [first[1], second[1]]
+        alone = (arcs.layers[pair] == 1 << layer).all()
+        if alone and arcs.is_free[pair].all() and pair[0] != pair[1]:
+            gaps.append(((second[0] - first[0]) % (2 * np.pi), [first[1:], second[1:]]))
+    if not gaps:
         raise EncodeError(
             f"{len(star)} seams meet in one point; a lattice point has room for four",
             remedy="either",
         )
-    _, first, second = best
-    new = len(drawing.node_target)
-    link = drawing.arc_count
-    target = drawing.node_target[node]
-    tail, head, curves = drawing.tail.copy(), drawing.head.copy(), list(drawing.curves)
-    starts = []
-    for _, arc, at_head in (first, second):
-        starts.append(curves[arc][-2 if at_head else 1])
-    middle = np.mean(starts, axis=0)
-    for _, arc, at_head in (first, second):
-        curve = curves[arc].copy()
-        curve[-1 if at_head else 0] = middle
-        curves[arc] = curve
-        (head if at_head else tail)[arc] = new
-    return replace(
-        drawing,
-        node_target=np.vstack([drawing.node_target, middle]),
-        node_layers=np.append(drawing.node_layers, 1 << layer),
-        node_on_axis=np.append(drawing.node_on_axis, False),
-        tail=np.append(tail, node),
-        head=np.append(head, new),
-        layers=np.append(drawing.layers, 1 << layer),
-        free=np.append(drawing.free, True),
-        on_axis=np.append(drawing.on_axis, False),
-        curves=(*curves, np.stack([target, middle])),
-        least=np.append(drawing.least, 1),
-        need=np.append(drawing.need, 1),
-        wish=np.append(drawing.wish, 1.0),
-        weight=np.append(drawing.weight, drawing.weight[[first[1], second[1]]].max()),
-        links=(
-            *drawing.links,
-            (first[1], link, first[2]),
-            (second[1], link, second[2]),
-        ),
-    )
+    return min(gaps, key=lambda gap: gap[0])[1]
 
 
 def joined_links(drawing: Drawing, paths: list[Path]) -> list[Path]:
@@ -216,7 +306,7 @@ def joined_links(drawing: Drawing, paths: list[Path]) -> list[Path]:
     return paths
 
 
-def _least(tail: np.ndarray, head: np.ndarray, layers: np.ndarray) -> np.ndarray:
+def _min_edges(tail: np.ndarray, head: np.ndarray, layers: np.ndarray) -> np.ndarray:
     """Two arcs of a layer between the same nodes need two grid edges each to stay apart."""
     ends = np.sort(np.stack([tail, head], axis=1), axis=1)
     same = (ends[:, None] == ends[None]).all(axis=2) & ((layers[:, None] & layers[None]) > 0)
@@ -226,16 +316,16 @@ def _least(tail: np.ndarray, head: np.ndarray, layers: np.ndarray) -> np.ndarray
 
 def _weight(layout: Layout) -> Float[np.ndarray, " arc"]:
     """1 for arcs of the trunk, `LIMB_WEIGHT` for those of sleeves and hoods alone."""
-    share = trunk_share(layout.complex.placed)
-    most = [max(share[panel] for panel, _, _ in arc.sides) for arc in layout.complex.arcs]
+    share = trunk_share(layout.graph.placed)
+    most = [max(share[panel] for panel, _, _ in arc.sides) for arc in layout.graph.arcs]
     return LIMB_WEIGHT + (1.0 - LIMB_WEIGHT) * np.array(most)
 
 
-def _wish(layout: Layout, arc_index: int) -> float:
+def _desired_edges(layout: Layout, arc: int) -> float:
     """Chords that follow the arc's curve closely enough: the error of m chords falls as 1/m²."""
-    wish = 1.0
-    for panel, edge, _ in layout.complex.arcs[arc_index].sides:
-        curve = layout.complex.placed.panels[panel].curves[edge]
+    desired = 1.0
+    for panel, edge, _ in layout.graph.arcs[arc].sides:
+        curve = layout.graph.placed.panels[panel].curves[edge]
         length = polyline_length(curve)
         if length < SHORT_ARC or len(curve) < 3:
             continue
@@ -243,26 +333,26 @@ def _wish(layout: Layout, arc_index: int) -> float:
         size = max(float(np.hypot(*chord)), 1e-9)
         away = (curve[:, 0] - curve[0, 0]) * chord[1] - (curve[:, 1] - curve[0, 1]) * chord[0]
         bulge = float(np.abs(away).max()) / size
-        wish = max(wish, np.sqrt(bulge / max(CHORD_TOLERANCE, CHORD_SHARE * length)))
-    return float(min(wish, MOST_CHORDS))
+        desired = max(desired, np.sqrt(bulge / max(CHORD_TOLERANCE, CHORD_SHARE * length)))
+    return float(min(desired, MAX_DESIRED_EDGES))
 
 
-def _need(layout: Layout, arc_index: int) -> int:
+def _required_edges(layout: Layout, arc: int) -> int:
     """Fewest chords that keep the length of each side and the area of its panel."""
-    need = 1
-    for panel, edge, _ in layout.complex.arcs[arc_index].sides:
-        placed = layout.complex.placed.panels[panel]
+    required = 1
+    for panel, edge, _ in layout.graph.arcs[arc].sides:
+        placed = layout.graph.placed.panels[panel]
         curve = placed.curves[edge]
         if len(curve) < 3:
             continue
         length = polyline_length(curve)
         room = abs(signed_area(placed.outline)) * AREA_LOSS
-        while need < MOST_NEEDED[0]:
-            lost, sliver = chord_loss(curve, need)
+        while required < MAX_REQUIRED_EDGES[0]:
+            lost, sliver = chord_loss(curve, required)
             if lost <= max(LENGTH_LOSS[0] * length, LENGTH_LOSS[1]) and sliver <= room:
                 break
-            need += 1
-    return need
+            required += 1
+    return required
 
 
 def chord_loss(curve: Float[np.ndarray, "n 2"], count: int) -> tuple[float, float]:

@@ -1,37 +1,49 @@
 """Fine drawing: every arc as a lattice path, vertex-disjoint inside each layer.
 
-The lattice is `fine` times finer than the image's. Paths are shortest paths in a corridor round
+The lattice is `fine` times finer than the image's. Paths are cheapest paths in a corridor round
 their target; where paths meet, the vertices become dearer round by round until every path has
-found its own (negotiated congestion, as circuits are routed).
+found its own (negotiated congestion, as circuits are routed; see `_kernels_route`).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 
 from garmentimage.errors import EncodeError
 from garmentimage.raster.encode.lattice._kernels_route import (
-    ROUNDS,
+    Net,
+    Routes,
+    Search,
+    Traffic,
+    distance_field,
+    find_clashes,
     nearest_points,
-    route_all,
+    reroute,
     snap_nodes,
 )
 from garmentimage.raster.encode.lattice.drawing import Drawing, Path
 from garmentimage.raster.encode.lattice.rotation import departures
 
+MAX_ROUNDS = 40
+"""Rounds of rip-up and re-route before a drawing is given up."""
+FIRST_PRICE, DEARER = 8.0, 1.5
+"""Cost of a vertex per other path on it, and by what factor it grows from round to round."""
+CLASH_COST = 4.0
+"""What a vertex costs more for ever after each round in which paths met on it."""
 MARGIN = 12
 """Free fine vertices round the drawing."""
-MOST_VERTICES = 1_000_000
+MAX_VERTICES = 1_000_000
 """A drawing that spreads over more fine vertices than this is refused."""
-MOST_FIELDS = 100_000_000
+MAX_CORRIDORS = 100_000_000
 """... or one with more vertices in the corridors of all its arcs, 4 bytes each."""
-FARTHEST = 1e9
+MAX_COORDINATE = 1e9
 """Targets lie nearer than this to the grid's corner [fine steps]."""
 
 
 @dataclass(frozen=True)
 class FinePaths:
-    """Lattice paths on the fine lattice, and where their vertices would like to be."""
+    """Lattice paths on the fine lattice, and the targets of their vertices."""
 
     paths: list[Path]
     """Per arc [n, 2], from tail to head, in fine lattice coordinates."""
@@ -51,63 +63,108 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
     Raises:
         EncodeError: arcs cannot be kept apart; a finer lattice or another layout may help.
     """
-    targets = np.concatenate(drawing.curves) * fine
-    if not (np.isfinite(targets).all() and np.abs(targets).max() < FARTHEST):
+    nodes, arcs = drawing.nodes, drawing.arcs
+    low, width, height = _extent(drawing, fine)
+    curves = [curve * fine - low for curve in arcs.curves]
+    target = nodes.target * fine - low
+    axis = -1 if drawing.axis is None else drawing.axis * fine - low[0]
+    # Axis nodes have the least freedom, then nodes of both layers; place breaks ties.
+    first = np.lexsort(
+        (target[:, 0].round(), target[:, 1].round(), nodes.layers != 3, ~nodes.on_axis)
+    )
+    node_xy = snap_nodes(target, nodes.layers, nodes.on_axis, axis, first)
+    corridors = np.empty((len(arcs), height, width), np.float32)
+    for i, curve in enumerate(curves):
+        line = curve.copy()
+        line[0], line[-1] = node_xy[arcs.tail[i]], node_xy[arcs.head[i]]
+        distance_field(line, float(radius), corridors[i])
+    leaving = departures(drawing) if in_order else np.full((len(arcs), 2), -1)
+    net = Net(
+        tail=arcs.tail,
+        head=arcs.head,
+        layers=arcs.layers,
+        on_axis=arcs.on_axis,
+        departures=leaving,
+        node_xy=node_xy,
+        corridors=corridors,
+        axis=int(axis),
+    )
+    paths = _disjoint_paths(net, nodes.layers, _routing_order(drawing, fine))
+    wanted = []
+    for i, path in enumerate(paths):
+        near = nearest_points(path.astype(np.float64), curves[i])
+        near[0], near[-1] = target[arcs.tail[i]], target[arcs.head[i]]
+        wanted.append((near + low) / fine)
+    return FinePaths([path + low for path in paths], wanted)
+
+
+def _extent(drawing: Drawing, fine: int) -> tuple[Int[np.ndarray, " 2"], int, int]:
+    """Lowest corner, width and height of the fine lattice round a drawing.
+
+    Raises:
+        EncodeError: it has no place, or is too large.
+    """
+    targets = np.concatenate(drawing.arcs.curves) * fine
+    if not (np.isfinite(targets).all() and np.abs(targets).max() < MAX_COORDINATE):
         raise EncodeError("the garment has no place on the grid; check the placement of its panels")
-    assert min(map(len, drawing.curves)) > 1
+    assert min(map(len, drawing.arcs.curves)) > 1
     low = np.floor(targets.min(axis=0)).astype(np.int64) - MARGIN
     high = np.ceil(targets.max(axis=0)).astype(np.int64) + MARGIN
-    axis = -1
-    if drawing.axis is not None:
-        axis = drawing.axis * fine - low[0]
     width, height = (high - low + 1).tolist()
-    if width * height > MOST_VERTICES or width * height * drawing.arc_count > MOST_FIELDS:
+    if width * height > MAX_VERTICES or width * height * len(drawing.arcs) > MAX_CORRIDORS:
         raise EncodeError(
             f"the garment spreads over {width // fine} x {height // fine} cells; "
             "check the units and the placement of its panels",
             remedy="pattern",
         )
-    starts = np.concatenate([[0], np.cumsum([len(c) for c in drawing.curves])])
-    wished = drawing.node_target * fine - low
-    # Axis nodes have the least freedom, then nodes of both layers; place breaks ties.
-    first = np.lexsort(
-        (
-            wished[:, 0].round(),
-            wished[:, 1].round(),
-            drawing.node_layers != 3,
-            ~drawing.node_on_axis,
-        )
+    return low, width, height
+
+
+def _routing_order(drawing: Drawing, fine: int) -> Int[np.ndarray, " arc"]:
+    """Short arcs first: they have the least room. Rounding keeps the order under small changes."""
+    curves = drawing.arcs.curves
+    lengths = np.array([np.hypot(*np.diff(c * fine, axis=0).T).sum() for c in curves])
+    middles = np.array([c[len(c) // 2] for c in curves]).round(1)
+    sizes = np.round(np.log2(np.maximum(lengths, 0.5)))
+    return np.lexsort((middles[:, 0], middles[:, 1], sizes))
+
+
+def _disjoint_paths(
+    net: Net, node_layers: Int[np.ndarray, " node"], order: Int[np.ndarray, " arc"]
+) -> list[Path]:
+    """Paths that share no inner vertex in a layer: rip-up and re-route until none clash.
+
+    Raises:
+        EncodeError: some still do after `MAX_ROUNDS`, or an arc has no path.
+    """
+    count, height, width = net.corridors.shape
+    size = width * height
+    is_node = np.zeros((2, size), bool)
+    for layer in (0, 1):
+        x, y = net.node_xy[(node_layers >> layer & 1).astype(bool)].T
+        is_node[layer, y * width + x] = True
+    traffic = Traffic(is_node, np.zeros((2, size), np.int32), np.zeros((2, size)))
+    longest = 4 * (width + height)
+    routes = Routes(np.zeros((count, longest), np.int32), np.zeros(count, np.int64))
+    search = Search(
+        cost=np.empty(size),
+        previous=np.empty(size, np.int32),
+        keys=np.empty(4 * size),
+        items=np.empty(4 * size, np.int32),
+        found=np.empty(size, np.int32),
     )
-    node_xy = snap_nodes(wished, drawing.node_layers, drawing.node_on_axis, axis, first)
-    # Short arcs first: they have the least room. Rounding keeps the order under small changes.
-    lengths = np.array([np.hypot(*np.diff(c * fine, axis=0).T).sum() for c in drawing.curves])
-    middles = np.array([c[len(c) // 2] for c in drawing.curves]).round(1)
-    order = np.lexsort((middles[:, 0], middles[:, 1], np.round(np.log2(np.maximum(lengths, 0.5)))))
-    done, flat, lens = route_all(
-        order,
-        drawing.tail,
-        drawing.head,
-        drawing.layers,
-        drawing.on_axis,
-        departures(drawing) if in_order else np.full((drawing.arc_count, 2), -1),
-        node_xy,
-        drawing.node_layers,
-        targets - low,
-        starts,
-        float(radius),
-        width,
-        height,
-        axis,
-        ROUNDS,
-    )
-    if done != 1:
-        raise EncodeError("its seams cross or crowd each other on the grid")
-    ends = np.cumsum(lens)
-    paths = [flat[e - n : e] for e, n in zip(ends, lens)]
-    wanted = []
-    for i, path in enumerate(paths):
-        near = nearest_points(path.astype(np.float64), targets[starts[i] : starts[i + 1]] - low)
-        near[0] = drawing.node_target[drawing.tail[i]] * fine - low
-        near[-1] = drawing.node_target[drawing.head[i]] * fine - low
-        wanted.append((near + low) / fine)
-    return FinePaths([p + low for p in paths], wanted)
+    price = FIRST_PRICE
+    clashing = np.ones(count, bool)
+    for _ in range(MAX_ROUNDS):
+        if not reroute(order, clashing, net, traffic, price, routes, search):
+            break
+        find_clashes(net, traffic, routes, clashing)
+        if not clashing.any():
+            vertices = routes.vertices.astype(np.int64)
+            return [
+                np.stack([vertices[i, :n] % width, vertices[i, :n] // width], axis=1)
+                for i, n in enumerate(routes.lens)
+            ]
+        traffic.history[traffic.use > 1] += CLASH_COST
+        price *= DEARER
+    raise EncodeError("its seams cross or crowd each other on the grid")

@@ -8,7 +8,7 @@ import numpy as np
 
 from garmentimage.geometry import polyline_length, resample, signed_area
 from garmentimage.raster.encode.lattice.drawing import Path, chord_loss
-from garmentimage.raster.encode.layout import SeamComplex
+from garmentimage.raster.encode.layout import SeamGraph
 from garmentimage.raster.encode.placement import PlacedPanel
 from garmentimage.raster.image import EdgeType
 
@@ -18,24 +18,24 @@ LOST_AREA = 0.06
 """A panel may not gain or lose more of its area along one edge, as a share."""
 COMPARED_FROM = 0.03
 """Panels that gain and lose more than this all round, as a share, are compared as a whole."""
-LEAST_IOU = 0.92
+MIN_IOU = 0.92
 """Overlap that such a panel must keep, centroids aligned."""
 
 
-def lost_shape(complex_: SeamComplex, paths: list[Path]) -> str:
+def lost_shape(graph: SeamGraph, paths: list[Path]) -> str:
     """The panel whose edges have too few grid edges for their bends, in words; "" if none has."""
     counts = {
         (index, edge): len(path) - 1
-        for arc, path in zip(complex_.arcs, paths)
+        for arc, path in zip(graph.arcs, paths)
         for index, edge, _ in arc.sides
     }
     sewn = {
         (index, edge)
-        for arc in complex_.arcs
+        for arc in graph.arcs
         if arc.kind != EdgeType.NON_STITCH
         for index, edge, _ in arc.sides
     }
-    for index, panel in enumerate(complex_.placed.panels):
+    for index, panel in enumerate(graph.placed.panels):
         area = abs(signed_area(panel.outline))
         all_round = 0.0
         for edge, curve in enumerate(panel.curves):
@@ -53,7 +53,7 @@ def lost_shape(complex_: SeamComplex, paths: list[Path]) -> str:
             all_round += sliver
         if all_round > COMPARED_FROM * area:
             kept = _iou(panel, [counts[index, edge] for edge in range(len(panel.curves))])
-            if kept < LEAST_IOU:
+            if kept < MIN_IOU:
                 return (
                     f"panel {panel.source!r} would keep {kept:.0%} of its shape: the grid has too "
                     "few grid edges left for its bends"

@@ -1,15 +1,23 @@
 """Left-right symmetry: one half is drawn, the other is its mirror image, so both agree exactly.
 
 A garment counts as symmetric when every arc has a mirror partner within a few centimetres: small
-differences between the halves stay in the deformation, where they belong.
+differences between the halves are kept in the deformation, where they belong.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from garmentimage.geometry import resample
-from garmentimage.raster.encode.lattice.drawing import Drawing, Path
+from garmentimage.raster.encode.lattice.drawing import (
+    Arcs,
+    Drawing,
+    Link,
+    Nodes,
+    Path,
+    layers_used,
+)
 from garmentimage.raster.encode.layout import Layout
 
 SYMMETRY_TOLERANCE = 3.0
@@ -17,6 +25,8 @@ SYMMETRY_TOLERANCE = 3.0
 AXIS_REACH = 4.0
 """The garment's own axis lies within this of the body's axis [cm]."""
 SAMPLES = 9
+_CUT_COLUMNS = ("tail", "head", "min_edges", "required_edges", "desired_edges")
+"""What changes where an arc is cut at the axis."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +38,7 @@ class Mirror:
 
 
 @dataclass(frozen=True)
-class Half:
+class MirrorHalf:
     """The right half of a symmetric drawing, and how to unfold its paths."""
 
     drawing: Drawing
@@ -43,7 +53,7 @@ class Half:
         """Paths of the whole drawing from those of the half."""
         assert self.drawing.axis is not None
         whole: list[Path] = [np.zeros((0, 2), np.int64)] * len(self.mirror.partner)
-        for arc, crossing, path in zip(self.kept, self.crossing, paths):
+        for arc, crossing, path in zip(self.kept, self.crossing, paths, strict=True):
             image = path * [-1, 1] + [2 * self.drawing.axis, 0]
             if crossing:
                 full = np.concatenate([image[::-1], path[1:]])
@@ -58,7 +68,7 @@ class Half:
 
 def find_mirror(layout: Layout) -> Mirror | None:
     """The pairing of arcs under left-right mirroring, or None for an asymmetric garment."""
-    arcs = layout.complex.arcs
+    arcs = layout.graph.arcs
     points = np.concatenate(layout.curves)
     centre = (points[:, 0].min() + points[:, 0].max()) / 2
     if abs(centre) > AXIS_REACH:
@@ -80,137 +90,155 @@ def find_mirror(layout: Layout) -> Mirror | None:
     for i, arc in enumerate(arcs):
         other = arcs[partner[i]]
         images = (other.b, other.a) if reverse[i] else (other.a, other.b)
-        for node, image in zip((arc.a, arc.b), images):
+        for node, image in zip((arc.a, arc.b), images, strict=True):
             if ends.setdefault(node, image) != image:
                 return None
     return Mirror(tuple(partner.tolist()), tuple(reverse.tolist()))
 
 
-def halve(drawing: Drawing, mirror: Mirror) -> Half | None:
-    """The right half of a drawing, made exactly symmetric; None if the axis has no room for it."""
+def right_half(drawing: Drawing, mirror: Mirror) -> MirrorHalf | None:
+    """The right half of a drawing, made exactly symmetric; None if the axis has no room for it.
+
+    The axis is moved to the middle column of the grid. Every arc and node becomes the mean of
+    itself and its mirrored partner. Of a pair the arc on the right is kept; an arc that is its own
+    partner lies on the axis, or crosses it and is cut there at a new node.
+    """
     axis = drawing.grid // 2
-    node_image = np.arange(len(drawing.node_target))
-    for i, (j, back) in enumerate(zip(mirror.partner, mirror.reverse)):
-        ends = (drawing.head[j], drawing.tail[j]) if back else (drawing.tail[j], drawing.head[j])
-        node_image[drawing.tail[i]], node_image[drawing.head[i]] = ends
-    flip = np.array([-1.0, 1.0])
-    middle = _centre(drawing)
-    targets = drawing.node_target - [middle, 0]
-    targets = (targets + targets[node_image] * flip) / 2 + [axis, 0]
-    on_axis = node_image == np.arange(len(node_image))
-    targets[on_axis, 0] = axis
-    tail, head, layers, free, arc_axis = [], [], [], [], []
-    curves, least, need, wish, weight, kept, crossing = [], [], [], [], [], [], []
-    node_targets, node_layers, node_axis = list(targets), list(drawing.node_layers), list(on_axis)
-    for i, (j, back) in enumerate(zip(mirror.partner, mirror.reverse)):
-        curve = _even(drawing.curves[i]) - [middle, 0]
-        other = (_even(drawing.curves[j]) - [middle, 0]) * flip
-        curve = (curve + (other[::-1] if back else other)) / 2 + [axis, 0]
-        a, b = int(drawing.tail[i]), int(drawing.head[i])
-        side = 0
-        if i != j:
-            x = curve[:, 0].mean()
-            if x < axis or (x == axis and i > j):
-                continue
-        elif back:
-            side = 1 if curve[-1, 0] > axis else -1
-            curve = curve[::side][len(curve) // 2 :]
-            curve[0, 0] = axis
-            node_targets.append(curve[0])
-            node_layers.append(drawing.layers[i])
-            node_axis.append(True)
-            a, b = len(node_targets) - 1, (b if side > 0 else a)
-        else:
-            curve[:, 0] = axis
-        tail.append(a)
-        head.append(b)
-        layers.append(int(drawing.layers[i]))
-        free.append(bool(drawing.free[i]))
-        arc_axis.append(i == j and not back)
-        curves.append(curve)
-        share = 0.5 if side else 1.0
-        least.append(1 if side else max(int(drawing.least[i]), int(drawing.least[j])))
-        needed = max(int(drawing.need[i]), int(drawing.need[j]))
-        need.append((needed + 1) // 2 if side else needed)
-        wish.append(max(share * max(drawing.wish[i], drawing.wish[j]), 1.0))
-        weight.append((drawing.weight[i] + drawing.weight[j]) / 2)
-        kept.append(i)
-        crossing.append(side)
-    half = replace(
-        drawing,
-        node_target=np.array(node_targets),
-        node_layers=_layers_used(len(node_targets), tail, head, layers),
-        node_on_axis=np.array(node_axis),
-        tail=np.array(tail),
-        head=np.array(head),
-        layers=np.array(layers),
-        free=np.array(free),
-        on_axis=np.array(arc_axis),
-        curves=tuple(curves),
-        least=np.array(least),
-        need=np.array(need),
-        wish=np.array(wish),
-        weight=np.array(weight),
-        axis=axis,
-    )
+    nodes = _symmetric_nodes(drawing, mirror, axis)
+    arcs = _symmetric_arcs(drawing, mirror, axis)
+    here, partner = np.arange(len(arcs)), np.array(mirror.partner)
+    middle = np.array([curve[:, 0].mean() for curve in arcs.curves])
+    is_left = (middle < axis) | ((middle == axis) & (here > partner))
+    is_crossing = (partner == here) & np.array(mirror.reverse)
+    kept = np.flatnonzero((partner == here) | ~is_left)
+    arcs = arcs.take(kept)
+    crossing = [
+        (1 if curve[-1, 0] > axis else -1) if crosses else 0
+        for curve, crosses in zip(arcs.curves, is_crossing[kept], strict=True)
+    ]
+    for k in np.flatnonzero(crossing).tolist():
+        nodes, arcs = _cut_at_axis(nodes, arcs, k, crossing[k], axis)
+    used = layers_used(len(nodes), arcs.tail, arcs.head, arcs.layers)
+    half = replace(drawing, nodes=replace(nodes, layers=used), arcs=arcs, axis=axis)
     half = _with_axis_links(half)
-    return Half(half, mirror, tuple(kept), tuple(crossing)) if _fits_axis(half) else None
+    if not _fits_axis(half):
+        return None
+    return MirrorHalf(half, mirror, tuple(kept.tolist()), tuple(crossing))
+
+
+def _symmetric_nodes(drawing: Drawing, mirror: Mirror, axis: int) -> Nodes:
+    """Nodes halfway between themselves and their mirrored partners."""
+    nodes, arcs = drawing.nodes, drawing.arcs
+    image = np.arange(len(nodes))
+    for i, (j, back) in enumerate(zip(mirror.partner, mirror.reverse, strict=True)):
+        ends = (arcs.head[j], arcs.tail[j]) if back else (arcs.tail[j], arcs.head[j])
+        image[arcs.tail[i]], image[arcs.head[i]] = ends
+    target = nodes.target - [_centre(drawing), 0]
+    target = (target + target[image] * [-1.0, 1.0]) / 2 + [axis, 0]
+    on_axis = image == np.arange(len(image))
+    target[on_axis, 0] = axis
+    return replace(nodes, target=target, on_axis=on_axis)
+
+
+def _symmetric_arcs(drawing: Drawing, mirror: Mirror, axis: int) -> Arcs:
+    """Arcs halfway between themselves and their mirrored partners, all still there."""
+    arcs, centre = drawing.arcs, _centre(drawing)
+    pair = arcs.take(mirror.partner)
+    is_own = np.array(mirror.partner) == np.arange(len(arcs))
+    on_axis = is_own & ~np.array(mirror.reverse)
+    curves = []
+    columns = zip(arcs.curves, pair.curves, mirror.reverse, on_axis, strict=True)
+    for own, other, back, is_vertical in columns:
+        curve = _with_middle(own) - [centre, 0]
+        image = (_with_middle(other) - [centre, 0]) * [-1.0, 1.0]
+        curve = (curve + (image[::-1] if back else image)) / 2 + [axis, 0]
+        if is_vertical:
+            curve[:, 0] = axis
+        curves.append(curve)
+    return replace(
+        arcs,
+        on_axis=on_axis,
+        curves=tuple(curves),
+        min_edges=np.maximum(arcs.min_edges, pair.min_edges),
+        required_edges=np.maximum(arcs.required_edges, pair.required_edges),
+        desired_edges=np.maximum(np.maximum(arcs.desired_edges, pair.desired_edges), 1.0),
+        weight=(arcs.weight + pair.weight) / 2,
+    )
+
+
+def _cut_at_axis(nodes: Nodes, arcs: Arcs, arc: int, side: int, axis: int) -> tuple[Nodes, Arcs]:
+    """The right half of an arc that crosses the axis, from a new node on the axis.
+
+    Args:
+        nodes: nodes so far.
+        arcs: arcs so far.
+        arc: which one is cut.
+        side: 1 where its head lies on the right, -1 where its tail does.
+        axis: column of the axis.
+    """
+    curve = arcs.curves[arc][::side][len(arcs.curves[arc]) // 2 :].copy()
+    curve[0, 0] = axis
+    nodes = nodes.append(target=curve[0], layers=arcs.layers[arc], on_axis=True)
+    columns = {name: getattr(arcs, name).copy() for name in _CUT_COLUMNS}
+    columns["head"][arc] = (arcs.head if side > 0 else arcs.tail)[arc]
+    columns["tail"][arc] = len(nodes) - 1
+    columns["min_edges"][arc] = 1
+    columns["required_edges"][arc] = (arcs.required_edges[arc] + 1) // 2
+    columns["desired_edges"][arc] = max(0.5 * arcs.desired_edges[arc], 1.0)
+    curves = (*arcs.curves[:arc], curve, *arcs.curves[arc + 1 :])
+    return nodes, replace(arcs, curves=curves, **columns)
 
 
 def _centre(drawing: Drawing) -> float:
-    points = np.concatenate(drawing.curves)
+    """Middle of the drawing from left to right."""
+    points = np.concatenate(drawing.arcs.curves)
     return float(points[:, 0].min() + points[:, 0].max()) / 2
 
 
-def _even(curve: np.ndarray) -> np.ndarray:
+def _with_middle(curve: Float[np.ndarray, "_ 2"]) -> Float[np.ndarray, "_ 2"]:
     """The curve with an odd number of points, so that it has a middle one."""
     return curve if len(curve) % 2 else resample(curve, np.linspace(0, 1, len(curve) + 1))
 
 
-def _layers_used(count: int, tail: list[int], head: list[int], layers: list[int]) -> np.ndarray:
-    used = np.zeros(count, np.int64)
-    np.bitwise_or.at(used, tail, layers)
-    np.bitwise_or.at(used, head, layers)
-    return used
-
-
 def _with_axis_links(half: Drawing) -> Drawing:
     """Free arcs that open a gap on the axis (a hood, a slit) first share a step along it."""
-    for node in np.flatnonzero(half.node_on_axis):
+    for node in np.flatnonzero(half.nodes.on_axis).tolist():
         for layer in (0, 1):
-            leaving = [x for x in _leaving(half, layer) if x[0] == node]
+            leaving = [end for end in _leaving(half, layer) if end[0] == node]
             if len(leaving) != 2:
                 continue
             # The gap lies where a free arc is steepest: between it and its mirror image.
             away = [
-                half.curves[arc][::-1] if at_head else half.curves[arc]
+                half.arcs.curves[arc][::-1] if at_head else half.arcs.curves[arc]
                 for _, arc, at_head in leaving
             ]
             slope = [(c[1] - c[0])[1] / (np.hypot(*(c[1] - c[0])) + 1e-12) for c in away]
             steep = int(np.argmax(np.abs(slope)))
             _, arc, at_head = leaving[steep]
             up = bool(slope[steep] > 0)
-            if half.free[arc] and not _axis_taken(half, int(node), layer, up):
-                half = _with_axis_link(half, int(node), arc, at_head)
+            if half.arcs.is_free[arc] and not _axis_taken(half, node, layer, up):
+                half = _with_axis_link(half, node, arc, at_head)
     return half
 
 
 def _leaving(half: Drawing, layer: int) -> list[tuple[int, int, bool]]:
     """(axis node, arc, at its head) for every arc of a layer that leaves the axis."""
+    arcs = half.arcs
     return [
-        (int(node), int(arc), at_head)
-        for arc in np.flatnonzero((half.layers >> layer & 1).astype(bool) & ~half.on_axis)
-        for at_head, node in ((False, half.tail[arc]), (True, half.head[arc]))
-        if half.node_on_axis[node]
+        (int(node), arc, at_head)
+        for arc in np.flatnonzero(arcs.on_layer(layer) & ~arcs.on_axis).tolist()
+        for at_head, node in ((False, arcs.tail[arc]), (True, arcs.head[arc]))
+        if half.nodes.on_axis[node]
     ]
 
 
 def _axis_taken(half: Drawing, node: int, layer: int, up: bool) -> bool:
     """Whether an arc of this layer already leaves the node along the axis, upwards or down."""
-    for arc in np.flatnonzero((half.layers >> layer & 1).astype(bool) & half.on_axis):
+    arcs = half.arcs
+    for arc in np.flatnonzero(arcs.on_layer(layer) & arcs.on_axis):
         for first, curve in (
-            (half.tail[arc], half.curves[arc]),
-            (half.head[arc], half.curves[arc][::-1]),
+            (arcs.tail[arc], arcs.curves[arc]),
+            (arcs.head[arc], arcs.curves[arc][::-1]),
         ):
             if first == node and (curve[-1, 1] > curve[0, 1]) == up:
                 return True
@@ -219,31 +247,27 @@ def _axis_taken(half: Drawing, node: int, layer: int, up: bool) -> bool:
 
 def _with_axis_link(half: Drawing, node: int, arc: int, at_head: bool) -> Drawing:
     """The free arc leaves from a new axis node; a link along the axis leads there."""
-    curve = half.curves[arc][::-1] if at_head else half.curves[arc]
-    place = np.array([half.axis, curve[1, 1]], float)
-    moved = np.concatenate([place[None], curve[1:]])
-    curves = list(half.curves)
-    curves[arc] = moved[::-1] if at_head else moved
-    new, link = len(half.node_target), half.arc_count
-    tail, head = half.tail.copy(), half.head.copy()
-    (head if at_head else tail)[arc] = new
-    layers = half.layers[arc]
+    nodes, arcs = half.nodes, half.arcs
+    new, link = len(nodes), len(arcs)
+    height = arcs.curves[arc][-2 if at_head else 1, 1]
+    place = np.array([half.axis, height], float)
+    layers, weight = arcs.layers[arc], arcs.weight[arc]
     return replace(
         half,
-        node_target=np.vstack([half.node_target, place]),
-        node_layers=np.append(half.node_layers, layers),
-        node_on_axis=np.append(half.node_on_axis, True),
-        tail=np.append(tail, node),
-        head=np.append(head, new),
-        layers=np.append(half.layers, layers),
-        free=np.append(half.free, True),
-        on_axis=np.append(half.on_axis, True),
-        curves=(*curves, np.stack([half.node_target[node], place])),
-        least=np.append(half.least, 1),
-        need=np.append(half.need, 1),
-        wish=np.append(half.wish, 1.0),
-        weight=np.append(half.weight, half.weight[arc]),
-        links=(*half.links, (arc, link, at_head)),
+        nodes=nodes.append(target=place, layers=layers, on_axis=True),
+        arcs=arcs.with_end(arc, at_head, new, place).append(
+            tail=node,
+            head=new,
+            layers=layers,
+            is_free=True,
+            on_axis=True,
+            curves=np.stack([nodes.target[node], place]),
+            min_edges=1,
+            required_edges=1,
+            desired_edges=1.0,
+            weight=weight,
+        ),
+        links=(*half.links, Link(arc, link, at_head)),
     )
 
 

@@ -2,8 +2,8 @@ from .samples import (
     trunk_share as trunk_share,
 )
 from .seam_graph import (
-    SeamComplex as SeamComplex,
-    seam_complex as seam_complex,
+    SeamGraph as SeamGraph,
+    build_seam_graph as build_seam_graph,
 )
 from .solve import (
     Layout as Layout,

@@ -17,7 +17,7 @@ from garmentimage.geometry import centroid, lengths_along
 from garmentimage.raster.encode.layout.relax import Rows
 from garmentimage.raster.encode.layout.reversed_seams import turned_share
 from garmentimage.raster.encode.layout.samples import INNER, Samples, ramp
-from garmentimage.raster.encode.layout.seam_graph import SeamComplex
+from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 
 WEDGE = 0.2 / 3.0
 """Opening of a gap of 1 cm, per cm from the node; other gaps in proportion."""
@@ -36,7 +36,7 @@ END_TAPER = 0.15
 """Share of the shorter boundary over which the wish fades out at its end."""
 AXIS_BLEND = 0.2
 """How far from the diagonal a direction is pulled along both axes."""
-LEAST_WEIGHT = 1e-6
+MIN_WEIGHT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class _Chain:
     """Unit direction at every sample: of the step that ends there, or of the chord to it."""
 
 
-def facing_rows(complex: SeamComplex, samples: Samples, gap: float, chord: bool) -> Rows:
+def facing_rows(graph: SeamGraph, samples: Samples, gap: float, chord: bool) -> Rows:
     """Wishes that facing boundaries open up to `gap` [cm].
 
     Two boundaries face each other where the cloth lies on their far sides. That is judged where
@@ -63,36 +63,34 @@ def facing_rows(complex: SeamComplex, samples: Samples, gap: float, chord: bool)
     wrong side of another (the outer sides of a hood's halves) shows.
 
     Args:
-        complex: the garment.
+        graph: the garment.
         samples: its samples.
         gap: width of a fully opened gap [cm].
         chord: judge directions by chords from the node instead of tangents.
     """
     meeting: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
-    for i, panel in enumerate(complex.placed.panels):
+    for i, panel in enumerate(graph.placed.panels):
         for k in range(len(panel.curves)):
-            if _is_alone(complex, i, k, panel.layer):
-                arc, back = complex.owner[i, k]
-                ends = complex.arcs[arc].a, complex.arcs[arc].b
+            if _is_alone(graph, i, k, panel.layer):
+                arc, back = graph.owner[i, k]
+                ends = graph.arcs[arc].a, graph.arcs[arc].b
                 for step, node in ((1, ends[back]), (-1, ends[not back])):
                     meeting.setdefault((panel.layer, node), []).append((i, k, step))
     parts: list[Rows] = []
     for keys in meeting.values():
         if len({panel for panel, _, _ in keys}) < 2:
             continue
-        chains = [_chain(complex, samples, key, chord) for key in keys]
+        chains = [_chain(graph, samples, key, chord) for key in keys]
         for a, b in itertools.permutations(chains, 2):
             if a.key[0] != b.key[0]:
-                parts.extend(_wedge(a, b, _lenience(complex, a, b), gap, chord))
+                parts.extend(_wedge(a, b, _lenience(graph, a, b), gap, chord))
     return Rows.joined(parts) if parts else Rows.none()
 
 
-def _chain(
-    complex: SeamComplex, samples: Samples, key: tuple[int, int, int], chord: bool
-) -> _Chain:
+def _chain(graph: SeamGraph, samples: Samples, key: tuple[int, int, int], chord: bool) -> _Chain:
     """The run of boundary that begins with one edge and goes on while it has no neighbour."""
     i, edge, step = key
-    panel = complex.placed.panels[i]
+    panel = graph.placed.panels[i]
     first = int(samples.start[i])
     for loop in panel.loops:
         here = slice(first, first + len(loop) * (INNER + 1))
@@ -100,7 +98,7 @@ def _chain(
             break
         first = here.stop
     count, k, run = len(loop), loop.index(edge), 1
-    while run < count and _is_alone(complex, i, loop[(k + step * run) % count], panel.layer):
+    while run < count and _is_alone(graph, i, loop[(k + step * run) % count], panel.layer):
         run += 1
     begin = (k if step > 0 else k + 1) * (INNER + 1)
     at = (begin + step * np.arange(run * (INNER + 1) + 1)) % (count * (INNER + 1))
@@ -115,9 +113,9 @@ def _chain(
     )
 
 
-def _is_alone(complex: SeamComplex, panel: int, edge: int, layer: int) -> bool:
-    arc = complex.arcs[complex.owner[panel, edge][0]]
-    return sum(complex.placed.panels[p].layer == layer for p, _, _ in arc.sides) == 1
+def _is_alone(graph: SeamGraph, panel: int, edge: int, layer: int) -> bool:
+    arc = graph.arcs[graph.owner[panel, edge][0]]
+    return sum(graph.placed.panels[p].layer == layer for p, _, _ in arc.sides) == 1
 
 
 def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> Iterator[Rows]:
@@ -155,7 +153,7 @@ def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> It
         sane = np.where(share > 0, np.maximum(sane, ramp(s, *NEAR_NODE)), 1.0)
         weight = ROW_WEIGHT * span * taper * share
         weight = weight * np.minimum.accumulate(np.minimum(reached, sane))
-        (use,) = np.nonzero(weight > LEAST_WEIGHT)
+        (use,) = np.nonzero(weight > MIN_WEIGHT)
         yield Rows(
             base=a.ids[q][use],
             second=np.stack([b.ids[k - 1], b.ids[k]], axis=1)[use],
@@ -167,7 +165,7 @@ def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> It
         )
 
 
-def _lenience(complex: SeamComplex, a: _Chain, b: _Chain) -> float:
+def _lenience(graph: SeamGraph, a: _Chain, b: _Chain) -> float:
     """How far two chains that lie on the wrong side of each other may still face each other.
 
     1 where the cloth round their node is sewn from one to the other, as between trouser legs; 0
@@ -176,12 +174,12 @@ def _lenience(complex: SeamComplex, a: _Chain, b: _Chain) -> float:
     """
     panel, edge, step = a.key
     while True:
-        loop = next(loop for loop in complex.placed.panels[panel].loops if edge in loop)
+        loop = next(loop for loop in graph.placed.panels[panel].loops if edge in loop)
         edge, step = loop[(loop.index(edge) - step) % len(loop)], -step
-        if _is_alone(complex, panel, edge, complex.placed.panels[panel].layer):
+        if _is_alone(graph, panel, edge, graph.placed.panels[panel].layer):
             return float((panel, edge, step) == b.key)
-        arc = complex.arcs[complex.owner[panel, edge][0]]
-        turned = turned_share(complex, arc)
+        arc = graph.arcs[graph.owner[panel, edge][0]]
+        turned = turned_share(graph, arc)
         if turned > 0 or (panel, edge, step) == a.key:
             return 1.0 - turned
         mine = next(side for side in arc.sides if side[:2] == (panel, edge))
@@ -209,21 +207,19 @@ WATCHED = 3.0
 """Pairs of boundary points up to this much farther apart are watched [cm]."""
 DEEP = (-45.0, -35.0)
 """Panels that overlap deeper than this are not pushed apart, fading [cm]."""
-MOST_ROWS = 1500
+MAX_CONSTRAINTS = 1500
 """Where panels are near in more places than this they lie on each other: pushing is no use."""
 REACH = 1.0
 """A boundary that ends this far [cm] above or below a point no more keeps it away."""
 
 
-def clearance_rows(
-    complex: SeamComplex, samples: Samples, points: Float[np.ndarray, "n 2"]
-) -> Rows:
+def clearance_rows(graph: SeamGraph, samples: Samples, points: Float[np.ndarray, "n 2"]) -> Rows:
     """Wishes that keep panels of one layer apart that share no node, where they come near.
 
     Points are compared along the axis on which the panels' rest positions lie farther apart,
     with what stands at the same place on the other axis.
     """
-    panels = complex.placed.panels
+    panels = graph.placed.panels
     rings = [samples.ids[samples.panel(i)] for i in range(len(panels))]
     low = np.array([points[r].min(axis=0) for r in rings]) - CLEARANCE
     high = np.array([points[r].max(axis=0) for r in rings]) + CLEARANCE
@@ -237,14 +233,14 @@ def clearance_rows(
                 continue
             if np.intersect1d(rings[i], rings[j]).size:
                 continue
-            parts.append(_apart(complex, samples, points, i, j, centres[j] - centres[i]))
-    if not parts or sum(len(part.base) for part in parts) > MOST_ROWS:
+            parts.append(_apart(graph, samples, points, i, j, centres[j] - centres[i]))
+    if not parts or sum(len(part.base) for part in parts) > MAX_CONSTRAINTS:
         return Rows.none()
     return Rows.joined(parts)
 
 
 def _apart(
-    complex: SeamComplex,
+    graph: SeamGraph,
     samples: Samples,
     points: np.ndarray,
     i: int,
@@ -257,12 +253,12 @@ def _apart(
     """
     axis = int(abs(towards[1]) > abs(towards[0]))
     sign = 1.0 if towards[axis] >= 0 else -1.0
-    mine, _, ahead, behind = _outer_steps(complex, samples, points, i)
-    start, end, step, _ = _outer_steps(complex, samples, points, j)
+    mine, _, ahead, behind = _outer_steps(graph, samples, points, i)
+    start, end, step, _ = _outer_steps(graph, samples, points, j)
     # The outward side of a boundary lies to the right of its direction.
-    outward = complex.placed.panels[i].sign * (1 if axis == 0 else -1) * sign
+    outward = graph.placed.panels[i].sign * (1 if axis == 0 else -1) * sign
     facing = np.maximum(outward * (ahead + behind)[:, 1 - axis] / 2, 0.0)
-    inward = -complex.placed.panels[j].sign * (1 if axis == 0 else -1) * sign
+    inward = -graph.placed.panels[j].sign * (1 if axis == 0 else -1) * sign
     faced = np.maximum(inward * step[:, 1 - axis] / (np.hypot(*step.T) + 1e-9), 0.0)
     rise = np.where(np.abs(step[:, 1 - axis]) > 1e-9, step[:, 1 - axis], 1e-9)
     unbounded = (points[mine, 1 - axis][:, None] - points[start, 1 - axis]) / rise
@@ -272,7 +268,7 @@ def _apart(
     distance = sign * (place - points[mine, axis][:, None])
     shallow = ramp(distance, *DEEP)
     weight = ROW_WEIGHT * present * facing[:, None] * faced * shallow
-    row, k = np.nonzero((distance < CLEARANCE + WATCHED) & (weight > LEAST_WEIGHT))
+    row, k = np.nonzero((distance < CLEARANCE + WATCHED) & (weight > MIN_WEIGHT))
     return Rows(
         base=mine[row],
         second=np.stack([start[k], end[k]], axis=1),
@@ -285,10 +281,10 @@ def _apart(
 
 
 def _outer_steps(
-    complex: SeamComplex, samples: Samples, points: np.ndarray, panel: int
+    graph: SeamGraph, samples: Samples, points: np.ndarray, panel: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Samples round the outer loop, the samples after them, and the steps ahead and behind."""
-    count = len(complex.placed.panels[panel].loops[0]) * (INNER + 1)
+    count = len(graph.placed.panels[panel].loops[0]) * (INNER + 1)
     here = samples.ids[samples.start[panel] : samples.start[panel] + count]
     following = np.roll(here, -1)
     ahead = points[following] - points[here]

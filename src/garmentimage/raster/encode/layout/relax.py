@@ -22,7 +22,7 @@ from jaxtyping import Float, Int
 from garmentimage.raster.encode.layout._kernels import assemble_energy
 from garmentimage.raster.encode.layout.reversed_seams import short_arcs, turned_seams
 from garmentimage.raster.encode.layout.samples import Samples
-from garmentimage.raster.encode.layout.seam_graph import SeamComplex
+from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 
 ANCHOR = 5e-4
 
@@ -78,7 +78,7 @@ class Energy:
 
 
 def energy(
-    complex: SeamComplex,
+    graph: SeamGraph,
     samples: Samples,
     rest: Float[np.ndarray, "r 2"],
     stiffness: Float[np.ndarray, " p"],
@@ -102,7 +102,7 @@ def energy(
         matrix, load, anchor_load, samples.ids, samples.following, samples.start,
         rest, weight, anchor, soft,
     )  # fmt: skip
-    wishes = turned_seams(complex, samples, rest) + (short_arcs(complex) if firm else [])
+    wishes = turned_seams(graph, samples, rest) + (short_arcs(graph) if firm else [])
     for arc, vector, strength in wishes:
         chain = samples.arcs[arc]
         steps = len(chain) - 1

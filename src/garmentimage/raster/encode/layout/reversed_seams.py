@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from garmentimage.geometry import centroid
 from garmentimage.raster.encode.layout.samples import INNER, Samples, ramp
-from garmentimage.raster.encode.layout.seam_graph import Arc, SeamComplex
+from garmentimage.raster.encode.layout.seam_graph import Arc, SeamGraph
 from garmentimage.raster.image import EdgeType
 
 TURN_FROM, TURN_FULLY = -0.3, -0.6
@@ -25,7 +25,7 @@ NEIGHBOUR_REACH = 4 / 15
 
 
 def turned_seams(
-    complex: SeamComplex, samples: Samples, rest: Float[np.ndarray, "r 2"]
+    graph: SeamGraph, samples: Samples, rest: Float[np.ndarray, "r 2"]
 ) -> list[tuple[int, np.ndarray, float]]:
     """Seams whose two sides point against each other: (arc, wished end - start [cm], strength).
 
@@ -35,69 +35,69 @@ def turned_seams(
     """
     wishes = []
     middle: np.ndarray | None = None
-    for i, arc in enumerate(complex.arcs):
-        strength = turned_share(complex, arc)
+    for i, arc in enumerate(graph.arcs):
+        strength = turned_share(graph, arc)
         if strength <= 0:
             continue
         if arc.kind == EdgeType.SIDE_BY_SIDE:
-            wishes.append((i, _between_panels(complex, i), LONG_STRENGTH * strength))
+            wishes.append((i, _between_panels(graph, i), LONG_STRENGTH * strength))
             continue
         strength *= 1 - float(ramp(arc.length, SHORT_FULLY, SHORT_UP_TO))
         if middle is None:
             middle = _mean_positions(samples, rest)
-        vector = _along_silhouette(complex, samples, middle, i)
+        vector = _along_silhouette(graph, samples, middle, i)
         if strength > 0 and vector is not None:
             wishes.append((i, vector, SHORT_STRENGTH * strength))
     return wishes
 
 
-def short_arcs(complex: SeamComplex) -> list[tuple[int, np.ndarray, float]]:
+def short_arcs(graph: SeamGraph) -> list[tuple[int, np.ndarray, float]]:
     """Short arcs with their direction at rest: (arc, wished end - start [cm], strength)."""
     wishes = []
-    for i, arc in enumerate(complex.arcs):
+    for i, arc in enumerate(graph.arcs):
         strength = 1 - float(ramp(arc.length, FIRM_FULLY, FIRM_UP_TO))
-        strength *= 1 - turned_share(complex, arc)
+        strength *= 1 - turned_share(graph, arc)
         if strength > 0:
-            chord = np.mean([_chord(complex, side) for side in arc.sides], axis=0)
+            chord = np.mean([_chord(graph, side) for side in arc.sides], axis=0)
             wishes.append((i, chord, FIRM_STRENGTH * strength))
     return wishes
 
 
-def turned_share(complex: SeamComplex, arc: Arc) -> float:
+def turned_share(graph: SeamGraph, arc: Arc) -> float:
     """1 for a seam whose two sides point against each other, 0 for others, fading between."""
     if len(arc.sides) < 2 or arc.slit:
         return 0.0
-    first, second = (_chord(complex, side) for side in arc.sides)
+    first, second = (_chord(graph, side) for side in arc.sides)
     cosine = first @ second / (np.hypot(*first) * np.hypot(*second) + 1e-9)
     return float(ramp(-cosine, -TURN_FROM, -TURN_FULLY))
 
 
-def _chord(complex: SeamComplex, side: tuple[int, int, bool]) -> np.ndarray:
+def _chord(graph: SeamGraph, side: tuple[int, int, bool]) -> np.ndarray:
     panel, edge, back = side
-    curve = complex.placed.panels[panel].curves[edge]
+    curve = graph.placed.panels[panel].curves[edge]
     return (curve[0] - curve[-1]) if back else (curve[-1] - curve[0])
 
 
-def _between_panels(complex: SeamComplex, index: int) -> np.ndarray:
+def _between_panels(graph: SeamGraph, index: int) -> np.ndarray:
     """A vector along which the arc has the first side's panel on its proper hand."""
-    arc = complex.arcs[index]
-    panels = [complex.placed.panels[panel] for panel, _, _ in arc.sides]
+    arc = graph.arcs[index]
+    panels = [graph.placed.panels[panel] for panel, _, _ in arc.sides]
     across = centroid(panels[0].outline) - centroid(panels[1].outline)
     across *= panels[0].sign * (-1 if arc.sides[0][2] else 1) / (np.hypot(*across) + 1e-9)
     return LONG_SPAN * arc.length * np.array([across[1], -across[0]])
 
 
 def _along_silhouette(
-    complex: SeamComplex, samples: Samples, points: np.ndarray, index: int
+    graph: SeamGraph, samples: Samples, points: np.ndarray, index: int
 ) -> np.ndarray | None:
     """From the front-to-back seams that go on at one end towards those at the other."""
-    arc = complex.arcs[index]
+    arc = graph.arcs[index]
     reach = round(NEIGHBOUR_REACH * (INNER + 1))
     ends = []
     for node in (arc.a, arc.b):
         beyond = [
             points[samples.arcs[j, reach if other.a == node else -1 - reach]]
-            for j, other in enumerate(complex.arcs)
+            for j, other in enumerate(graph.arcs)
             if j != index and other.kind == EdgeType.FRONT_TO_BACK and node in (other.a, other.b)
         ]
         ends.append(np.mean(beyond, axis=0) if beyond else points[node])

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.geometry import centroid, resample
-from garmentimage.raster.encode.layout.seam_graph import SeamComplex
+from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 from garmentimage.raster.encode.placement import Placed
 
 INNER = 10
@@ -56,11 +56,11 @@ Resting = tuple[tuple[np.ndarray, ...], ...]
 """Per panel its curves at rest in the drawing (see `unroll`)."""
 
 
-def sample(complex: SeamComplex, resting: Resting) -> Samples:
+def sample(graph: SeamGraph, resting: Resting) -> Samples:
     """Samples of all arcs; panels at rest in their own layout pose."""
-    nodes, count = complex.node_count, len(complex.arcs)
+    nodes, count = graph.node_count, len(graph.arcs)
     inner = nodes + np.arange(count * INNER).reshape(count, INNER)
-    ends = np.array([(arc.a, arc.b) for arc in complex.arcs])
+    ends = np.array([(arc.a, arc.b) for arc in graph.arcs])
     arcs = np.concatenate([ends[:, :1], inner, ends[:, 1:]], axis=1)
     shares = np.linspace(0, 1, REFINED * (INNER + 1) + 1)
     edges: list[np.ndarray] = []
@@ -69,10 +69,10 @@ def sample(complex: SeamComplex, resting: Resting) -> Samples:
     following: list[np.ndarray] = []
     start = [0]
     total = 0
-    for i, panel in enumerate(complex.placed.panels):
+    for i, panel in enumerate(graph.placed.panels):
         for loop in panel.loops:
             for k in loop:
-                arc, back = complex.owner[i, k]
+                arc, back = graph.owner[i, k]
                 ids.append((arcs[arc, ::-1] if back else arcs[arc])[:-1])
                 edges.append(resample(resting[i][k], shares))
                 rest.append(edges[-1][:-1:REFINED])

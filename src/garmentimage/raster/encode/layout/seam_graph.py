@@ -1,10 +1,10 @@
-"""The seam complex: the garment as nodes, arcs and panels, whatever its shape.
+"""The seam graph: the garment as nodes, arcs and panels, whatever its shape.
 
 - A **node** is what all vertices that are sewn together become.
 - An **arc** joins two nodes: a stitched pair of edges is one arc, a free edge is one of its own.
 - Panels are the faces between arcs, each on one layer.
 
-Paper: the paper has no such complex; it reads seams off the deformed panels.
+Paper: the paper has no such graph; it reads seams off the deformed panels.
 """
 
 from collections.abc import Mapping
@@ -43,7 +43,7 @@ class Arc:
 
 
 @dataclass(frozen=True)
-class SeamComplex:
+class SeamGraph:
     """Arcs between nodes, with the placed panels that they bound."""
 
     placed: Placed
@@ -54,7 +54,7 @@ class SeamComplex:
     """For every side its arc, and whether the edge runs against that arc."""
 
 
-def seam_complex(placed: Placed) -> SeamComplex:
+def build_seam_graph(placed: Placed) -> SeamGraph:
     """Merge what is sewn together.
 
     Arcs and nodes are ordered by place, so that the order of panels and stitches cannot matter.
@@ -78,7 +78,7 @@ def seam_complex(placed: Placed) -> SeamComplex:
                 remedy="pattern",
             )
     nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
-    return SeamComplex(placed, tuple(arcs), nodes, owner)
+    return SeamGraph(placed, tuple(arcs), nodes, owner)
 
 
 def _sides(placed: Placed) -> list[tuple[tuple[Side, bool], ...]]:

@@ -1,4 +1,4 @@
-"""Continuous layout: the seam complex drawn in the picture plane, every seam one curve.
+"""Continuous layout: the seam graph drawn in the picture plane, every seam one curve.
 
 A cascade of drawings, from the plainest to the freest; nearly every garment is clean at the
 first. Each step is a fixed computation: no search, no randomness, and no choice by file order.
@@ -25,7 +25,7 @@ from garmentimage.raster.encode.layout.samples import (
     sample,
     stiffness_of,
 )
-from garmentimage.raster.encode.layout.seam_graph import SeamComplex
+from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 from garmentimage.raster.encode.layout.unbend import unrolled
 from garmentimage.raster.encode.placement import FRONT
 
@@ -38,7 +38,7 @@ FIRST = "rigid"
 """The step that nearly every garment is clean at."""
 WIDE_GAPS = (("tangent", 9.0), ("chord", 9.0), ("tangent", 15.0))
 
-MOST_ARCS = 400
+MAX_ARCS = 400
 """Edges and seams of a garment; real ones have up to 130."""
 FOLD_TOL = 4.0
 """Loops of a panel that crosses itself may have this area [cm²]: no more than routing mends."""
@@ -55,9 +55,9 @@ CLEARANCE_ROUNDS = 3
 
 @dataclass(frozen=True)
 class Layout:
-    """The seam complex drawn in the picture plane."""
+    """The seam graph drawn in the picture plane."""
 
-    complex: SeamComplex
+    graph: SeamGraph
     curves: tuple[np.ndarray, ...]
     """Per arc [K + 2, 2]: body cm, from node a to node b; end points are exactly shared."""
     stage: str
@@ -78,7 +78,7 @@ class _Step:
     membranes: frozenset[int] = frozenset()
 
 
-def layouts(complex: SeamComplex) -> Iterator[Layout]:
+def layouts(graph: SeamGraph) -> Iterator[Layout]:
     """Layouts of a garment, computed as they are asked for.
 
     First those without fold or overlap, in the order of the cascade: rigid; with gaps judged by
@@ -88,18 +88,18 @@ def layouts(complex: SeamComplex) -> Iterator[Layout]:
     Raises:
         EncodeError: more edges than any grid has room for.
     """
-    if len(complex.arcs) > MOST_ARCS:
-        panel = max(complex.placed.panels, key=lambda p: (len(p.curves), p.source))
+    if len(graph.arcs) > MAX_ARCS:
+        panel = max(graph.placed.panels, key=lambda p: (len(p.curves), p.source))
         raise EncodeError(
-            f"the pattern has {len(complex.arcs)} edges and seams, {len(panel.curves)} of them "
-            f"round panel {panel.source[:80]!r}; an image has room for {MOST_ARCS}: smooth "
+            f"the pattern has {len(graph.arcs)} edges and seams, {len(panel.curves)} of them "
+            f"round panel {panel.source[:80]!r}; an image has room for {MAX_ARCS}: smooth "
             "outlines that turn at every vertex, or leave loose panels out",
             remedy="pattern",
         )
-    desk = _Desk(complex)
+    desk = _Desk(graph)
     faulty = []
     at_fault: set[int] = set()
-    for step in _cascade(complex, at_fault):
+    for step in _cascade(graph, at_fault):
         layout, found = desk.draw(step)
         at_fault |= found if step.stage == FIRST else set()
         if layout.problems:
@@ -109,7 +109,7 @@ def layouts(complex: SeamComplex) -> Iterator[Layout]:
     yield from sorted(faulty, key=lambda one: len(one.problems))
 
 
-def _cascade(complex: SeamComplex, at_fault: set[int]) -> Iterator[_Step]:
+def _cascade(graph: SeamGraph, at_fault: set[int]) -> Iterator[_Step]:
     """Steps in order; `at_fault` is read once the first step is drawn."""
     yield _Step(FIRST)
     yield _Step("firm", firm=True)
@@ -118,8 +118,8 @@ def _cascade(complex: SeamComplex, at_fault: set[int]) -> Iterator[_Step]:
         yield _Step(f"{kind} gap {gap:g}", chord=kind == "chord", gap=gap)
     yield _Step("turning", turning=True)
     yield _Step("chord turning", turning=True, chord=True)
-    panels = complex.placed.panels
-    halves = {i for i, p in enumerate(panels) if p.half}
+    panels = graph.placed.panels
+    halves = {i for i, p in enumerate(panels) if p.is_part}
     front = {i for i in halves if panels[i].layer == FRONT}
     for stage, soft in (("front", front), ("half", halves), ("faulty", at_fault)):
         if soft & at_fault:
@@ -130,19 +130,19 @@ def _cascade(complex: SeamComplex, at_fault: set[int]) -> Iterator[_Step]:
 class _Desk:
     """What all drawings of one garment share."""
 
-    complex: SeamComplex
+    graph: SeamGraph
 
     @cached_property
     def resting(self) -> Resting:
-        return tuple(unrolled(panel) for panel in self.complex.placed.panels)
+        return tuple(unrolled(panel) for panel in self.graph.placed.panels)
 
     @cached_property
     def samples(self) -> Samples:
-        return sample(self.complex, self.resting)
+        return sample(self.graph, self.resting)
 
     @cached_property
     def stiffness(self) -> Float[np.ndarray, " p"]:
-        return stiffness_of(self.complex.placed)
+        return stiffness_of(self.graph.placed)
 
     @cached_property
     def _ground(self) -> tuple[np.ndarray, Energy]:
@@ -150,16 +150,16 @@ class _Desk:
 
     def _prepared(self, step: _Step) -> tuple[np.ndarray, Energy]:
         """Rest positions with the panels brought together, and the energy."""
-        shifts = gather(self.complex.placed, self.resting, self.stiffness, step.membranes)
+        shifts = gather(self.graph.placed, self.resting, self.stiffness, step.membranes)
         rest = self.samples.rest + np.repeat(shifts, np.diff(self.samples.start), axis=0)
         return rest, energy(
-            self.complex, self.samples, rest, self.stiffness, step.membranes, step.firm
+            self.graph, self.samples, rest, self.stiffness, step.membranes, step.firm
         )
 
     def draw(self, step: _Step) -> tuple[Layout, set[int]]:
         """A layout, and the panels at fault in it."""
         rest, base = self._prepared(step) if step.membranes or step.firm else self._ground
-        facing = facing_rows(self.complex, self.samples, step.gap, step.chord)
+        facing = facing_rows(self.graph, self.samples, step.gap, step.chord)
         soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
         turned = partial(
             turned_load,
@@ -173,7 +173,7 @@ class _Desk:
         system = Constrained.of(base, facing)
         points = system.minimum(base.load)
         for _ in range(CLEARANCE_ROUNDS):
-            near = clearance_rows(self.complex, self.samples, points)
+            near = clearance_rows(self.graph, self.samples, points)
             if not len(near.base):
                 break
             system = Constrained.of(base, Rows.joined([facing, near]))
@@ -182,13 +182,13 @@ class _Desk:
             before, points = points, system.minimum(turned(points))
             if np.abs(points - before).max() < SETTLED:
                 break
-        curves = _refined(self.complex, self.samples, rest, points)
-        problems, at_fault = find_problems(self.complex, curves)
-        return Layout(self.complex, curves, step.stage, problems), at_fault
+        curves = _refined(self.graph, self.samples, rest, points)
+        problems, at_fault = find_problems(self.graph, curves)
+        return Layout(self.graph, curves, step.stage, problems), at_fault
 
 
 def _refined(
-    complex: SeamComplex,
+    graph: SeamGraph,
     samples: Samples,
     rest: Float[np.ndarray, "r 2"],
     points: Float[np.ndarray, "n 2"],
@@ -198,26 +198,26 @@ def _refined(
     Each side's edge is carried along with its samples; an arc is the mean of its two sides.
     """
     places = np.arange(samples.edges.shape[1]) / REFINED
-    curves = [np.zeros((len(places), 2)) for _ in complex.arcs]
+    curves = [np.zeros((len(places), 2)) for _ in graph.arcs]
     edges = iter(samples.edges)
-    for i, panel in enumerate(complex.placed.panels):
+    for i, panel in enumerate(graph.placed.panels):
         first = samples.start[i]
         shift = rest[first] - samples.rest[first]
         for k in (k for loop in panel.loops for k in loop):
-            arc, back = complex.owner[i, k]
+            arc, back = graph.owner[i, k]
             own = next(edges) + shift
             own = own[::-1].copy() if back else own
             moved = points[samples.arcs[arc]] - own[::REFINED]
             for axis in (0, 1):
                 own[:, axis] += np.interp(places, places[::REFINED], moved[:, axis])
-            curves[arc] += own / len(complex.arcs[arc].sides)
+            curves[arc] += own / len(graph.arcs[arc].sides)
     for curve, chain in zip(curves, samples.arcs):
         curve[::REFINED] = points[chain]
     return tuple(curves)
 
 
 def find_problems(
-    complex: SeamComplex, curves: tuple[np.ndarray, ...]
+    graph: SeamGraph, curves: tuple[np.ndarray, ...]
 ) -> tuple[tuple[str, ...], set[int]]:
     """Folded panels and overlapping pairs on a layer, in words, and the panels at fault.
 
@@ -225,15 +225,15 @@ def find_problems(
     """
     import shapely
 
-    panels = complex.placed.panels
+    panels = graph.placed.panels
     problems, at_fault = [], set()
     shapes = []
     for i, panel in enumerate(panels):
         rings = [
-            _ring(complex, curves, i, loop)
+            _ring(graph, curves, i, loop)
             for loop in panel.loops
             # A hole sewn up by itself, a fish-eye dart, leaves nothing out.
-            if not all(complex.arcs[complex.owner[i, k][0]].slit for k in loop)
+            if not all(graph.arcs[graph.owner[i, k][0]].slit for k in loop)
         ]
         shape, folded = _largest_part(shapely.Polygon(rings[0], rings[1:]))
         if folded > FOLD_TOL or signed_area(rings[0]) * panel.sign <= 0:
@@ -270,11 +270,11 @@ def _largest_part(shape: "shapely.Polygon") -> tuple["shapely.Geometry", float]:
 
 
 def _ring(
-    complex: SeamComplex, curves: tuple[np.ndarray, ...], panel: int, loop: tuple[int, ...]
+    graph: SeamGraph, curves: tuple[np.ndarray, ...], panel: int, loop: tuple[int, ...]
 ) -> Float[np.ndarray, "n 2"]:
     parts = []
     for k in loop:
-        arc, back = complex.owner[panel, k]
-        if not complex.arcs[arc].slit:
+        arc, back = graph.owner[panel, k]
+        if not graph.arcs[arc].slit:
             parts.append((curves[arc][::-1] if back else curves[arc])[:-1])
     return np.concatenate(parts)
