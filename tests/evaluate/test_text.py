@@ -44,8 +44,8 @@ BY_TEXT = {prompt.text: prompt for prompt in PROMPTS}
 )
 def test_a_prompt_holds_of_what_it_asks_for_and_is_asked_only_of_others(text, start, end):
     prompt, before, after = BY_TEXT[text], measure_shape(start), measure_shape(end)
-    assert is_applicable(prompt, before) and prompt.holds(before, after)
-    assert not prompt.holds(before, before)
+    assert is_applicable(prompt, before) and prompt.is_achieved(before, after)
+    assert not prompt.is_achieved(before, before)
     if prompt.group != "geometry":
         assert not is_applicable(prompt, after)
 
@@ -59,12 +59,12 @@ def test_there_are_twelve_prompts_in_three_groups():
 def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
     longer = draft_pattern("one-panel-dress", body_length=70)
     sleeved = draft_pattern("one-panel-dress", sleeves="set-in", sleeve_length=1.0)
-    assert preserved_iou(BY_TEXT["long"].touches, DRESS, longer) > 0.99
-    assert preserved_iou(BY_TEXT["long sleeves"].touches, DRESS, longer) < 0.9
-    assert preserved_iou(BY_TEXT["long sleeves"].touches, DRESS, sleeved) > 0.97
-    assert preserved_iou(BY_TEXT["long"].touches, DRESS, sleeved) < 0.9
-    assert preserved_iou(BY_TEXT["pants"].touches, DRESS, None) == 0
-    assert preserved_iou(BY_TEXT["pants"].touches, DRESS, DRESS) == pytest.approx(1)
+    assert preserved_iou(BY_TEXT["long"].region, DRESS, longer) > 0.99
+    assert preserved_iou(BY_TEXT["long sleeves"].region, DRESS, longer) < 0.9
+    assert preserved_iou(BY_TEXT["long sleeves"].region, DRESS, sleeved) > 0.97
+    assert preserved_iou(BY_TEXT["long"].region, DRESS, sleeved) < 0.9
+    assert preserved_iou(BY_TEXT["pants"].region, DRESS, None) == 0
+    assert preserved_iou(BY_TEXT["pants"].region, DRESS, DRESS) == pytest.approx(1)
 
 
 @pytest.mark.slow

@@ -28,8 +28,8 @@ class PixelDecoder(ImageDecoder):
 class TowardsWhite:
     """A guidance to which all should be white."""
 
-    def start(self, pictures: torch.Tensor, said: str, further: float) -> None:
+    def start(self, pictures: torch.Tensor, source_prompt: str, boost: float) -> None:
         pass
 
-    def gradient(self, pictures: torch.Tensor, text: str, done: float) -> torch.Tensor:
+    def gradient(self, pictures: torch.Tensor, text: str, progress: float) -> torch.Tensor:
         return pictures - 1

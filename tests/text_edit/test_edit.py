@@ -58,7 +58,7 @@ def test_the_same_seed_edits_the_same_and_strength_goes_further(trained, dress):
         guidance, _ = denoiser_guidance(trained / "denoiser" / "model", "pants", seed=seed)
         found = editor.edit(pattern, "pants", guidance, strength=strength, steps=8)
         assert [frame.number for frame in found.frames] == [0, 2, 3, 5, 6, 8]
-        return found.frames[-1].step.z - found.given.z
+        return found.frames[-1].step.z - found.source.z
 
     one, again, other, further = moved(1, 1.0), moved(1, 1.0), moved(2, 1.0), moved(1, 20.0)
     assert np.array_equal(one, again) and not np.array_equal(one, other)
@@ -68,8 +68,10 @@ def test_the_same_seed_edits_the_same_and_strength_goes_further(trained, dress):
 def test_a_dress_that_is_asked_to_be_long_keeps_a_level_hem():
     """With the networks of the package: most dresses that they know have a slanted hem."""
     guidance, _ = denoiser_guidance(None, "long")
-    found = TextEditor.load().edit(draft_pattern("one-panel-dress"), "long", guidance, tries=1)
-    assert found.done
+    found = TextEditor.load().edit(
+        draft_pattern("one-panel-dress"), "long", guidance, max_attempts=1
+    )
+    assert found.achieved
     for step in (found.result, *(frame.step for frame in found.frames)):
         channels = step.image.to_channels()[None]
         assert np.abs(channels - mirrored_channels(channels)).max() < EVEN_CM
@@ -114,7 +116,7 @@ def test_what_is_known_is_done_and_what_is_not_is_said(trained, dress, tmp_path,
         (["pants", "--scale", "1e39"], "the guidance scale is 1e+39; give more than 0, up to 1000"),
         (["pants", "--seed", str(2**64)], "the seed is 18446744073709551616; give 0 to"),
         (["pants", "--seed", "-1"], "the seed is -1"),
-        (["long \udcff"], "has bytes that are no UTF-8"),
+        (["long \udcff"], "is not valid UTF-8"),
         (["pants", "--negative", "a" * 600], "the text has 600 characters"),
         (["pants", "--wrap", "a" * 600 + "{}"], "the text has 605 characters"),
         (["pants", "--model", "nowhere"], "nowhere"),
@@ -200,10 +202,10 @@ def test_any_guidance_will_do(trained, dress):
     """The protocol is all that an editor asks for."""
 
     class Brighter:
-        def start(self, pictures, said, further):
-            assert pictures.shape == (1, 3, 64, 64) and said == "" and further == 1
+        def start(self, pictures, source_prompt, boost):
+            assert pictures.shape == (1, 3, 64, 64) and source_prompt == "" and boost == 1
 
-        def gradient(self, pictures, text, done):
+        def gradient(self, pictures, text, progress):
             return -torch.ones_like(pictures)
 
     editor = TextEditor.load(trained / "vae" / "model", trained / "pictures" / "model")

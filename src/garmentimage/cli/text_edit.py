@@ -111,7 +111,7 @@ def run_edit(options: argparse.Namespace) -> Exit:
             guidance,
             strength=options.strength,
             steps=steps,
-            tries=tries,
+            max_attempts=tries,
             progress=at,
         )
     return _write(options, found, text)
@@ -141,7 +141,7 @@ def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
         for name, value in (
             ("scale", options.scale),
             ("negative", options.negative),
-            ("wrapped", options.wrap),
+            ("prompt_template", options.wrap),
         )
         if value is not None
     }
@@ -169,9 +169,9 @@ def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
     from garmentimage.pattern.files import pattern_text
     from garmentimage.raster import image_bytes
     from garmentimage.render import png_bytes
-    from garmentimage.text_edit import way
+    from garmentimage.text_edit import strip_columns
 
-    columns = way(found, text)
+    columns = strip_columns(found, text)
     before, after = columns[0], columns[-1]
     path = options.out / "edited"
     results: dict[str | PathLike[str], bytes | str] = {
@@ -199,8 +199,8 @@ def _tell(options: argparse.Namespace, found: "TextEdit", after: "Shown") -> Exi
         "panels": len(step.pattern.panels) if step.pattern else 0,
         "repairs": {k: n for k, n in (step.repairs.counts if step.repairs else {}).items() if n},
         "faults": [one_line(fault) for fault in after.faults],
-        "done": found.done,
-        "tries": found.tries,
+        "done": found.achieved,
+        "tries": found.attempts,
     }
     if options.json:
         print_json(told)
@@ -211,10 +211,10 @@ def _tell(options: argparse.Namespace, found: "TextEdit", after: "Shown") -> Exi
     if told["faults"]:
         said += f"; NOT a garment that can be worn: {'; '.join(told['faults'])}"
     print(said)
-    tries = f"{found.tries} tries" if found.tries > 1 else "one try"
-    if found.done is None:
+    tries = f"{found.attempts} tries" if found.attempts > 1 else "one try"
+    if found.achieved is None:
         print(f"whether it is {quoted(options.text)} now is not known: look at the picture")
-    elif found.done:
+    elif found.achieved:
         print(f"by the shape of its panels, it is {quoted(options.text)} now ({tries})")
     else:
         print(

@@ -27,9 +27,9 @@ class Prompt:
 
     text: str
     group: Literal["topology", "parts", "geometry"]
-    touches: EditedRegion
+    region: EditedRegion
     """Where the garment may change."""
-    holds: Callable[[ShapeAttributes, ShapeAttributes], bool]
+    is_achieved: Callable[[ShapeAttributes, ShapeAttributes], bool]
     """Whether a garment, the second, is what the text makes of the first."""
 
 
@@ -82,4 +82,4 @@ def is_applicable(prompt: Prompt, start: ShapeAttributes) -> bool:
     """Whether a prompt asks a garment for a change."""
     if prompt.group == "geometry":
         return not ALREADY_TRUE[prompt.text](start)
-    return not prompt.holds(start, start)
+    return not prompt.is_achieved(start, start)

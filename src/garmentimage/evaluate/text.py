@@ -1,6 +1,6 @@
-"""Editing by text, measured: held-out garments, prompts, and who edits.
+"""Evaluation of editing by text: every editing method, prompt and held-out garment.
 
-Records go to a folder as they come, and a run that was stopped goes on. Nothing is trained here.
+Records are written to a folder one by one, so that an interrupted run resumes. Nothing is trained.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -45,7 +45,7 @@ GROUPS = ("topology", "parts", "geometry")
 
 @dataclass(frozen=True)
 class EditMethod:
-    """Who edits."""
+    """A way to edit garments: networks with settings, or a baseline."""
 
     name: str
     kind: Literal["raster", "vectors", "nothing", "caption"]
@@ -62,7 +62,7 @@ class EditMethod:
 
 @dataclass(frozen=True)
 class EditItem:
-    """One garment and one prompt for one editor."""
+    """One garment and one prompt for one method."""
 
     editing: EditMethod
     prompt: int
@@ -70,11 +70,11 @@ class EditItem:
     garment: int
     split: str
     number: int
-    """Of the item among those of its editor."""
+    """Of the item among those of its method."""
 
     @property
     def name(self) -> str:
-        """Of the records that it is one of."""
+        """File of its record."""
         return self.editing.name
 
 
@@ -88,30 +88,30 @@ def evaluate_text_edits(
     workers: int = 2,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> dict[str, Any]:
-    """Ask every editor for every change of the same garments, and sum up.
+    """Apply every editing method to the same garments and prompts.
 
     Args:
-        editors: who edits.
+        editors: the methods.
         data: a dataset; its test garments are edited, types in turn.
-        folder: where records go; gone on with.
-        garments: how many.
-        validation: edit garments of the validation split: what choices are made by.
+        folder: where records are written; a run that was interrupted resumes.
+        garments: number of garments.
+        validation: edit garments of the validation split, to choose settings by.
         workers: processes.
-        progress: called with how many items are done, and of how many.
+        progress: called with the number of items that are complete, and of all.
 
     Returns:
-        By editor, figures with intervals of 95 %, for each prompt and each group of prompts.
+        By method, figures with intervals of 95 %, for each prompt and each group of prompts.
 
     Raises:
         LearnError: a network cannot be read, there are too few garments, or the folder holds
-            records of others.
+            records of other networks, data or amounts.
     """
     for each in editors:
         _check(each)
     items = _items(editors, str(data), garments, "validation" if validation else "test")
-    told = {"data_sha256": dataset_hash(data)}
+    data_sha256 = dataset_hash(data)
     networks = {
-        each.name: told | {
+        each.name: {"data_sha256": data_sha256} | {
             name: weights_hash(Path(getattr(each, name))) if getattr(each, name) else ""
             for name in ("space", "pictures", "denoiser")
         } | {"strength": each.strength, "steps": each.steps, "tries": each.tries}
@@ -135,12 +135,12 @@ def score_edit_item(item: EditItem) -> dict[str, Any]:
     end, fault = apply_edit(item.editing, start, prompt.text)
     took = perf_counter() - began
     before, after = measure_shape(start), measure_shape(end)
-    assert before is not None  # `_items` asks of such garments only
+    assert before is not None  # see `applicable_prompts`
     return {
         "prompt": prompt.text,
         "group": prompt.group,
-        "done": after is not None and prompt.holds(before, after),
-        "kept": preserved_iou(prompt.touches, start, end),
+        "done": after is not None and prompt.is_achieved(before, after),
+        "kept": preserved_iou(prompt.region, start, end),
         "valid": measure_garment(end, fault).valid,
         "seconds": round(took, 2),
         "before": asdict(before),
@@ -149,7 +149,7 @@ def score_edit_item(item: EditItem) -> dict[str, Any]:
 
 
 def apply_edit(editing: EditMethod, start: Pattern, text: str) -> tuple[Pattern | None, str]:
-    """What an editor makes of a garment, and why it is no garment, if it is none."""
+    """The garment that a method makes of another, and its first fault; empty if it is valid."""
     if editing.kind == "caption":
         return _nearest_caption(editing.data, text), ""
     codec = load_method_codec(editing).fit_for(start)
@@ -163,7 +163,7 @@ def apply_edit(editing: EditMethod, start: Pattern, text: str) -> tuple[Pattern 
 def summarise_edits(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Figures by prompt, by group and of all."""
     known = [record for record in records if "lost" not in record]
-    told: dict[str, Any] = {"measured": len(known), "lost": len(records) - len(known)}
+    summary: dict[str, Any] = {"measured": len(known), "lost": len(records) - len(known)}
     groups: dict[str, list[Mapping[str, Any]]] = {"all": list(known)}
     for group in GROUPS:
         groups[group] = [record for record in known if record["group"] == group]
@@ -171,29 +171,29 @@ def summarise_edits(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         groups[f"'{prompt.text}'"] = [r for r in known if r["prompt"] == prompt.text]
     for name, rows in groups.items():
         if rows:
-            told[name] = {
+            summary[name] = {
                 key: asdict(interval([float(row[key]) for row in rows]))
                 for key in ("done", "kept", "valid", "seconds")
             }
-    return told
+    return summary
 
 
 def _best_edit(editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> Step:
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
-    told, said = edit_prompts(start, text)
+    target_prompt, source_prompt = edit_prompts(start, text)
 
-    def attempt(further: float, touched: EditedRegion | None) -> Step:
+    def attempt(boost: float, region: EditedRegion | None) -> Step:
         found = run_edit(
             torch.from_numpy(np.asarray(z, np.float32)),
             _image_decoder(editing.pictures),
             guidance,
-            told,
-            said,
+            target_prompt,
+            source_prompt,
             strength=editing.strength,
             steps=editing.steps,
-            further=further,
-            touched=touched,
+            boost=boost,
+            region=region,
         )
         return codec.step(codec.settled(found.numpy(), REPROJECTIONS))
 
@@ -201,10 +201,10 @@ def _best_edit(editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern,
 
 
 def _check(editing: EditMethod) -> None:
-    """Read the networks of an editor once, so that what does not fit is known before the work.
+    """Read the networks of a method once, so that what does not fit is found before the work.
 
     Raises:
-        LearnError: one cannot be read, or is not for the others.
+        LearnError: one cannot be read, or does not fit the others.
     """
     if editing.kind == "caption":
         return
@@ -219,7 +219,7 @@ def _check(editing: EditMethod) -> None:
 
 @cache
 def load_method_codec(editing: EditMethod) -> Codec:
-    """An editor's latent space, loaded once in each process."""
+    """The latent space of a method, loaded once in each process."""
     if editing.kind == "vectors":
         return VectorCodec(Path(editing.space))
     return RasterCodec(LatentSpace.load(editing.space))
@@ -231,7 +231,7 @@ def _image_decoder(folder: str) -> Any:
 
 
 def applicable_prompts(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
-    """Numbers of garments, and the prompts that ask a change of them."""
+    """Numbers of garments, with the prompts that are not yet true of them."""
     return [
         (number, prompt)
         for number, start in enumerate(measure_shape(pattern) for pattern in garments)
@@ -242,7 +242,7 @@ def applicable_prompts(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
 
 @cache
 def held_out_garments(data: str, split: str) -> list[Pattern]:
-    """Garments of a split, types in turn, in an order of their own."""
+    """Garments of a split, in random order, types taking turns."""
     from garmentimage.dataset import parse_patterns, read_tables
 
     texts: dict[str, list[str]] = {}
@@ -259,7 +259,7 @@ def held_out_garments(data: str, split: str) -> list[Pattern]:
 
 @cache
 def _nearest_caption(data: str, text: str) -> Pattern:
-    """The garment in training one of whose captions is nearest to a text, the first if several."""
+    """The first training garment with the caption that is nearest to a text."""
     from garmentimage.dataset import parse_patterns, read_tables
 
     first: dict[str, str] = {}
@@ -276,7 +276,7 @@ def _items(editors: Sequence[EditMethod], data: str, garments: int, split: str) 
     known = held_out_garments(data, split)
     if len(known) < garments:
         raise LearnError(
-            f"{shown_path(data)}: has {len(known)} garments of split {split}; this takes {garments}"
+            f"{shown_path(data)}: has {len(known)} garments of split {split}; {garments} are needed"
         )
     asked = applicable_prompts(known[:garments])
     return [

@@ -18,14 +18,14 @@ MIN_AREA_CM2 = 100.0
 EditedRegion = Literal["sleeves", "below the waist"]
 
 
-def preserved_iou(touched: EditedRegion, start: Pattern, end: Pattern | None) -> float:
+def preserved_iou(region: EditedRegion, start: Pattern, end: Pattern | None) -> float:
     """How much of what an edit is not about stays: the mean IoU of the panels there.
 
     Where sleeves may change, all panels but them are looked at, else all that is of any panel above
     the waist. Centroids are aligned, as in `panel_iou`; what is missing or new counts 0.
 
     Args:
-        touched: where the garment may change.
+        region: where the garment may change.
         start: as it was.
         end: as it is; None, or a pattern that cannot be drawn, keeps nothing.
     """
@@ -36,7 +36,7 @@ def preserved_iou(touched: EditedRegion, start: Pattern, end: Pattern | None) ->
         return 0.0
     ious: list[float] = []
     for is_front in (True, False):
-        one, two = (_frozen_region(pattern, touched, is_front) for pattern in (start, end))
+        one, two = (_frozen_region(pattern, region, is_front) for pattern in (start, end))
         shared = np.array(
             [[shapely.intersection(a, b).area / shapely.union(a, b).area for b in two] for a in one]
         ).reshape(len(one), len(two))
@@ -45,7 +45,7 @@ def preserved_iou(touched: EditedRegion, start: Pattern, end: Pattern | None) ->
     return float(np.mean(ious)) if ious else 1.0
 
 
-def _frozen_region(pattern: Pattern, touched: EditedRegion, is_front: bool) -> "list[Geometry]":
+def _frozen_region(pattern: Pattern, region: EditedRegion, is_front: bool) -> "list[Geometry]":
     """What of each panel should stay, its centroid at the origin, before the body or behind it."""
     import shapely
     import shapely.affinity
@@ -53,10 +53,10 @@ def _frozen_region(pattern: Pattern, touched: EditedRegion, is_front: bool) -> "
     above = shapely.box(-400, measurements("mean-female").waist_height, 400, 400)
     found = []
     for placed in panels_at_body(pattern):
-        if placed.is_front != is_front or (touched == "sleeves" and placed.is_sleeve):
+        if placed.is_front != is_front or (region == "sleeves" and placed.is_sleeve):
             continue
         cloth = shapely.make_valid(shapely.Polygon(placed.outline))
-        if touched != "sleeves":
+        if region != "sleeves":
             cloth = shapely.intersection(cloth, above)
         if cloth.area > MIN_AREA_CM2:
             x, y = cloth.centroid.x, cloth.centroid.y

@@ -1,4 +1,4 @@
-from .best_of import (
+from .attempts import (
     MAX_ATTEMPTS as MAX_ATTEMPTS,
     best_attempt as best_attempt,
 )
@@ -37,8 +37,7 @@ from .source_prompt import (
     edit_prompts as edit_prompts,
 )
 from .strip import (
-    way as way,
-    way_picture as way_picture,
+    strip_columns as strip_columns,
 )
 from .vocabulary import (
     list_words as list_words,

@@ -1,4 +1,4 @@
-"""Editing a garment by text: its latent vector is moved until its picture shows what is said."""
+"""Editing a garment by text: its latent vector is optimised until its picture matches the text."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,58 +19,54 @@ from garmentimage.networks import Latent, Step, network_folder, shipped_names
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage
 from garmentimage.system import shown_path, weights_hash
-from garmentimage.text_edit.best_of import MAX_ATTEMPTS, best_attempt
+from garmentimage.text_edit.attempts import MAX_ATTEMPTS, best_attempt
+from garmentimage.text_edit.goal import keep_mask
 from garmentimage.text_edit.guidance import Guidance, ScoreDistillation, optimise_latent
-from garmentimage.text_edit.keep_mask import keep_mask
 from garmentimage.text_edit.source_prompt import edit_prompts, nearest_phrase
 from garmentimage.text_edit.vocabulary import check_known
 
-DEFAULT_SPACE, DEFAULT_IMAGE_DECODER, DEFAULT_DENOISER = (
-    "text-edit",
-    "text-edit-pictures",
-    "text-edit-denoiser",
-)
-"""Networks that come with the package."""
+DEFAULT_SPACE = "text-edit"
+DEFAULT_IMAGE_DECODER, DEFAULT_DENOISER = "text-edit-pictures", "text-edit-denoiser"
+"""Bundled networks."""
 MAX_TEXT_LENGTH = 500
 """Characters of a text."""
 STRENGTH_LIMITS, STEP_LIMITS = (0.05, 20.0), (1, 5000)
-"""Least and most of what may be asked."""
 DISTANCE_WEIGHT = 0.02
-"""What the squared distance from the start costs at strength 1."""
+"""Weight of the squared distance from the source in latent space, at strength 1."""
 KEEP_WEIGHT = 1.0
-"""What the squared change of a colour costs where the text should change nothing."""
+"""Weight of the squared change of a colour where the text should change nothing, at strength 1."""
 LEARNING_RATE = 0.1
-"""Learning rate."""
 DEFAULT_STEPS = 60
 FRAME_COUNT = 6
-"""Steps that are kept for the strip, with both ends."""
+"""Steps of the optimisation that are kept for the strip, including both ends."""
 REPROJECTIONS = 1
-"""Times that the result is decoded and encoded again."""
+"""Times that the result is decoded and encoded again, which moves it nearer to the training data.
+"""
 
 
 @dataclass(frozen=True)
 class EditFrame:
-    """A moment of an edit."""
+    """The garment at one step of the optimisation."""
 
     number: int
-    """Steps made so far."""
+    """Steps of the optimisation before it."""
     step: Step
     picture: UInt8[np.ndarray, "row col 3"]
-    """What the network thinks that it looks like."""
+    """Its picture by the picture network."""
 
 
 @dataclass(frozen=True)
 class TextEdit:
-    """A garment, and what a text made of it."""
+    """A garment before and after an edit."""
 
-    given: Step
+    source: Step
     frames: tuple[EditFrame, ...]
-    """From the start to the end."""
+    """From the source to the end of the optimisation."""
     result: Step
-    tries: int
-    """Made to get there."""
-    done: bool | None
-    """Whether geometry tells that the text is true now; None if it cannot tell."""
+    attempts: int
+    """Attempts made."""
+    achieved: bool | None
+    """Whether the text is true of the result, by geometry; None if geometry cannot decide."""
 
 
 class TextEditor:
@@ -78,10 +74,10 @@ class TextEditor:
 
     Args:
         space: latent vectors and garments.
-        pictures: latent vectors and pictures of worn garments.
+        pictures: network from latent vectors to pictures of worn garments.
 
     Raises:
-        LearnError: they were not trained together.
+        LearnError: the two were not trained together.
     """
 
     def __init__(self, space: LatentSpace, pictures: ImageDecoder) -> None:
@@ -97,10 +93,10 @@ class TextEditor:
     def load(
         cls, space: str | Path = DEFAULT_SPACE, pictures: str | Path = DEFAULT_IMAGE_DECODER
     ) -> "TextEditor":
-        """Networks that come with the package, by name, or those in folders.
+        """Bundled networks by name, or others by folder.
 
         Raises:
-            LearnError: there are none of those names, and no such folders.
+            LearnError: there are no networks of those names, and no such folders.
         """
         folder = network_folder(pictures, image_decoder_names(), "picture network")
         return cls(
@@ -116,69 +112,66 @@ class TextEditor:
         *,
         strength: float = 1.0,
         steps: int = DEFAULT_STEPS,
-        tries: int = MAX_ATTEMPTS,
-        progress: Callable[[int, int], None] = lambda done, steps: None,
+        max_attempts: int = MAX_ATTEMPTS,
+        progress: Callable[[int, int], None] = lambda step, steps: None,
     ) -> TextEdit:
-        """What a text makes of a garment; up to `attempts` times (`best_attempt`).
+        """Edit a garment; geometry checks the result and may start another attempt.
 
         Args:
             source: the garment.
-            text: what it should be: "long sleeves", "pants".
-            guidance: which way its picture should change, such as `small_guidance()`.
-            strength: how far it may go from what it was; 1 is usual.
-            steps: of the optimisation.
-            tries: how often, at the most.
-            progress: called after every step, with how many of a try are made and of how many.
+            text: what it should become: "long sleeves", "pants".
+            guidance: how its picture should change, such as `denoiser_guidance(None, text)[0]`.
+            strength: how far it may change; weights of the penalties are divided by it.
+            steps: of the optimisation, in each attempt.
+            max_attempts: see `best_attempt`.
+            progress: called after every step with its number and the number of steps.
 
         Raises:
-            LearnError: a text, strength or number of steps or tries that will not do, or an image
-                that the network does not take.
-            EncodeError: a pattern that does not fit its grid.
+            LearnError: an invalid text, strength or number of steps or attempts, or an image of
+                another grid than the network's.
+            EncodeError: a pattern that does not fit the network's grid.
         """
-        words = normalised_text(text)
-        check_options(strength, steps, tries)
+        prompt = normalised_text(text)
+        check_options(strength, steps, max_attempts)
         given = self.space.given(source)
         assert given.image is not None  # `LatentSpace.given` has one
         space = self.space.fit_for(given.image)
         start = torch.from_numpy(given.z).float()
-        told, said = edit_prompts(given.pattern, words)
-        wanted = set(
-            np.linspace(0, steps, min(FRAME_COUNT, steps + 1)).round().astype(int).tolist()
-        )
-        ways: list[dict[int, torch.Tensor]] = []
+        target_prompt, source_prompt = edit_prompts(given.pattern, prompt)
+        kept_steps = np.linspace(0, steps, min(FRAME_COUNT, steps + 1)).round().astype(int).tolist()
+        latents: list[dict[int, torch.Tensor]] = []
 
-        def attempt(further: float, touched: EditedRegion | None) -> Step:
-            moments = {0: start}
-            ways.append(moments)
+        def attempt(boost: float, region: EditedRegion | None) -> Step:
+            latents.append({0: start})
 
             def keep(step: int, z: torch.Tensor) -> None:
-                if step in wanted:
-                    moments[step] = z
+                if step in kept_steps:
+                    latents[-1][step] = z
                 progress(step, steps)
 
             z = run_edit(
                 start,
                 self.pictures,
                 guidance,
-                told,
-                said,
+                target_prompt,
+                source_prompt,
                 strength=strength,
                 steps=steps,
-                further=further,
-                touched=touched,
+                boost=boost,
+                region=region,
                 progress=keep,
             )
             return space.step(space.settled(z.numpy(), REPROJECTIONS))
 
-        best = best_attempt(given.pattern, words, attempt, tries)
+        best = best_attempt(given.pattern, prompt, attempt, max_attempts)
         frames = tuple(
             EditFrame(number, space.step(z.numpy()), self.picture(z.numpy()))
-            for number, z in sorted(ways[best.number].items())
+            for number, z in sorted(latents[best.number].items())
         )
-        return TextEdit(given, frames, best.step, best.count, best.done)
+        return TextEdit(given, frames, best.step, best.count, best.achieved)
 
     def picture(self, z: Latent) -> UInt8[np.ndarray, "row col 3"]:
-        """What the garment of a latent vector looks like, to the network."""
+        """The picture of a latent vector by the picture network, upright."""
         with torch.no_grad():
             colours = self.pictures.draw(torch.from_numpy(np.asarray(z, np.float32))[None])[0]
         upright = (colours.flip(1).permute(1, 2, 0) * 255).round().to(torch.uint8)
@@ -190,67 +183,66 @@ def run_edit(
     pictures: ImageDecoder,
     guidance: Guidance,
     text: str,
-    said: str,
+    source_prompt: str,
     *,
     strength: float,
     steps: int,
-    further: float = 1.0,
-    touched: EditedRegion | None = None,
+    boost: float = 1.0,
+    region: EditedRegion | None = None,
     progress: Callable[[int, Tensor], None] = lambda step, z: None,
 ) -> Float[Tensor, " latent"]:
-    """The latent vector that a text makes of another.
+    """Edit a latent vector once, without checks.
 
     Args:
-        z: of the garment as it is.
-        pictures: what garments look like.
-        guidance: which way pictures should change.
-        text: what they should show.
-        said: what of it is true of the garment as it is, see `edit_prompts`.
-        strength: how far it may go.
+        z: latent vector of the source.
+        pictures: draws pictures of latent vectors.
+        guidance: how pictures should change.
+        text: the target prompt.
+        source_prompt: see `edit_prompts`.
+        strength: how far the garment may change.
         steps: of the optimisation.
-        further: how much further than usual the guidance should push.
-        touched: where the garment may change; None if the text does not tell.
-        progress: called after every step.
+        boost: factor of the guidance scale.
+        region: where the garment may change; None for anywhere.
+        progress: called after every step with its number and the latent vector.
+
+    Raises:
+        LearnError: the optimisation diverges.
     """
     with torch.no_grad():
-        guidance.start(pictures.draw(z[None]), said, further)
-    held = None
-    if touched is not None:
-        held = (
-            KEEP_WEIGHT
-            / strength
-            * torch.from_numpy(keep_mask(touched, pictures.config.picture)).float()
-        )
+        guidance.start(pictures.draw(z[None]), source_prompt, boost)
+    keep_weight = None
+    if region is not None:
+        mask = torch.from_numpy(keep_mask(region, pictures.config.picture)).float()
+        keep_weight = KEEP_WEIGHT / strength * mask
     return optimise_latent(
         z,
         pictures.draw,
         guidance,
         text,
         steps=steps,
-        rate=LEARNING_RATE,
-        pull=DISTANCE_WEIGHT / strength,
-        held=held,
+        learning_rate=LEARNING_RATE,
+        distance_weight=DISTANCE_WEIGHT / strength,
+        keep_weight=keep_weight,
         progress=progress,
     )
 
 
 def denoiser_guidance(
-    name: str | Path | None, text: str, **told: Any
+    name: str | Path | None, text: str, **options: Any
 ) -> tuple[ScoreDistillation, tuple[float, str]]:
-    """Guidance by a small diffusion model: one that comes with the package, or one in a folder.
+    """Guidance by a small diffusion model: a bundled one, or one in a folder.
 
     Args:
-        name: of the model; None for the usual one.
-        text: what will be said.
-        told: as `ScoreDistillation` takes.
+        name: of the model; None for the default.
+        text: of the edit.
+        options: keyword arguments of `ScoreDistillation`.
 
     Returns:
-        The guidance, how near the text is to what the model was told in training (1 the same, 0
-        strange), and the phrase that is nearest.
+        The guidance, and the nearest training phrase of the text after its cosine similarity.
 
     Raises:
-        LearnError: there is none of that name, and no such folder; or the text has no word that
-            the networks were told of garments.
+        LearnError: there is no model of that name, and no such folder; or no word of the text is in
+            the vocabulary.
     """
     check_known(text)
     from garmentimage.text_edit.pixel_diffusion import (
@@ -265,20 +257,21 @@ def denoiser_guidance(
     )
     model = PixelDiffusion(folder)
     guidance = ScoreDistillation(
-        model, **{"scale": SCALE, "noises": NOISE_SAMPLES, "schedule": SCHEDULE, **told}
+        model,
+        **{"scale": SCALE, "noise_samples": NOISE_SAMPLES, "schedule": SCHEDULE, **options},
     )
     return guidance, nearest_phrase(text)
 
 
-def stable_guidance(model: str | None, **told: Any) -> ScoreDistillation:
+def stable_guidance(model: str | None, **options: Any) -> ScoreDistillation:
     """Guidance by Stable Diffusion.
 
     Args:
-        model: a folder, or an id on the Hugging Face Hub; None for that of the paper.
-        told: as `ScoreDistillation` takes.
+        model: a folder, or an id on the Hugging Face Hub; None for the paper's.
+        options: keyword arguments of `ScoreDistillation`.
 
     Raises:
-        LearnError: it is not there and cannot be had, or `diffusers` is not installed.
+        LearnError: it does not exist or cannot be downloaded, or `diffusers` is not installed.
     """
     from garmentimage.text_edit.stable_diffusion import (
         DEFAULT_MODEL,
@@ -287,9 +280,9 @@ def stable_guidance(model: str | None, **told: Any) -> ScoreDistillation:
         StableDiffusion,
     )
 
-    usual = {"scale": SCALE, "wrapped": PROMPT_TEMPLATE, "noises": 1}
+    defaults = {"scale": SCALE, "prompt_template": PROMPT_TEMPLATE, "noise_samples": 1}
     return ScoreDistillation(
-        StableDiffusion(DEFAULT_MODEL if model is None else model), **{**usual, **told}
+        StableDiffusion(DEFAULT_MODEL if model is None else model), **{**defaults, **options}
     )
 
 
@@ -297,11 +290,11 @@ def normalised_text(text: str) -> str:
     """A text in one line without spaces around it.
 
     Raises:
-        LearnError: it says nothing, or too much, or is no text.
+        LearnError: it is empty or too long, or not valid Unicode.
     """
     words = " ".join(text.split())
     if any("\ud800" <= character <= "\udfff" for character in words):
-        raise LearnError(f"the text {quoted(words)} has bytes that are no UTF-8; type it anew")
+        raise LearnError(f"the text {quoted(words)} is not valid UTF-8; type it again")
     if not any(character.isalnum() for character in words):
         raise LearnError(f"the text {quoted(words)} says nothing; say what the garment should be")
     if len(words) > MAX_TEXT_LENGTH:
@@ -315,36 +308,34 @@ def check_pair(space: Path, pictures: ImageDecoder) -> None:
     Raises:
         LearnError: it was.
     """
-    of = pictures.config.vae_sha256
-    if of and of != weights_hash(space):
+    trained_with = pictures.config.vae_sha256
+    if trained_with and trained_with != weights_hash(space):
         raise LearnError(
             f"the picture network was trained with another latent space than {shown_path(space)}; "
             "name two that were trained together"
         )
 
 
-def check_options(strength: float, steps: int, tries: int) -> None:
-    """Refuse a strength or a number of steps or tries that will not do.
+def check_options(strength: float, steps: int, max_attempts: int) -> None:
+    """Check the options of an edit.
 
     Raises:
-        LearnError: says what may be given.
+        LearnError: one is out of range.
     """
-    _check("strength", strength, STRENGTH_LIMITS)
-    _check("number of steps", steps, STEP_LIMITS)
-    _check("number of tries", tries, (1, MAX_ATTEMPTS))
+    for name, value, (low, high) in (
+        ("strength", strength, STRENGTH_LIMITS),
+        ("number of steps", steps, STEP_LIMITS),
+        ("number of attempts", max_attempts, (1, MAX_ATTEMPTS)),
+    ):
+        if not low <= value <= high:
+            raise LearnError(f"the {name} is {value:g}; give {low:g} to {high:g}")
 
 
 def image_decoder_names() -> tuple[str, ...]:
-    """Networks of pictures that come with the package."""
+    """Bundled networks from latent vectors to pictures."""
     return tuple(name for name in shipped_names("model.safetensors") if name.endswith("-pictures"))
 
 
 def denoiser_names() -> tuple[str, ...]:
-    """Small diffusion models that come with the package."""
+    """Bundled diffusion models."""
     return tuple(name for name in shipped_names("model.safetensors") if name.endswith("-denoiser"))
-
-
-def _check(what: str, value: float, limits: tuple[float, float]) -> None:
-    low, high = limits
-    if not low <= value <= high:
-        raise LearnError(f"the {what} is {value:g}; give {low:g} to {high:g}")

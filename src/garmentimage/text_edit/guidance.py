@@ -1,10 +1,19 @@
-"""Guidance: which way a picture should change so that it shows what a text says.
+"""Guidance: how a picture should change to match a text.
 
-Score distillation (Poole et al. 2023, DreamFusion; paper, Section 4.2): noise is put on the
-picture, a diffusion model that is told the text says what noise it sees, and the difference of both
-is the gradient. What the model would change about the picture as it was given, told what is true of
-it, is taken off (delta denoising score, Hertz et al. 2023): so nothing else changes. The same code
-drives every diffusion model; they differ in the space that they work in.
+Score distillation sampling (Poole et al. 2023, DreamFusion; paper, Section 4.2). With x the picture
+in the space of the diffusion model, noise e and time t, the model sees
+
+    x_t = alpha_t x + sigma_t e
+
+and predicts the noise, with classifier-free guidance of scale s (Ho and Salimans 2022):
+
+    e' = e(x_t | negative) + s (e(x_t | text) - e(x_t | negative)).
+
+The gradient with respect to x is sigma_t^2 (e' - e); gradients through the denoiser are left out.
+From it we subtract the same expression for the original picture and a prompt that is true of it
+(delta denoising score, Hertz et al. 2023), with the same noise and time, so that what the model
+would change anyway is left alone. The code drives any diffusion model; models differ in the space
+they work in.
 """
 
 from collections.abc import Callable
@@ -20,49 +29,51 @@ from garmentimage.errors import LearnError
 Pictures = Float[Tensor, "n 3 pixel_row pixel_col"]
 """Colours from 0 to 1, the lowest row of pixels first."""
 MAX_SCALE, MAX_SEED = 1000.0, 2**63 - 1
+TIME_LIMITS = (0.02, 0.98)
+"""Diffusion times are kept within these, away from no noise and from pure noise."""
 
 
 class Guidance(Protocol):
-    """Pictures and a text to a gradient."""
+    """A gradient for pictures and a text."""
 
-    def start(self, pictures: Pictures, said: str, further: float) -> None:
-        """Be told what is given, before the first gradient.
+    def start(self, pictures: Pictures, source_prompt: str, boost: float) -> None:
+        """Set the original pictures, before the first gradient.
 
         Args:
-            pictures: of it.
-            said: what is true of it, of that which the text will speak of; empty if not known.
-            further: how much further than usual the text should push; 1 at the first try.
+            pictures: of the garment before the edit.
+            source_prompt: what is true of them in the aspect of the text; empty if not known.
+            boost: factor of the guidance scale; 1 at the first attempt.
         """
 
-    def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
-        """How a loss that is small where pictures show the text changes with the pictures.
+    def gradient(self, pictures: Pictures, text: str, progress: float) -> Pictures:
+        """Gradient of a loss that is small where pictures match the text.
 
         Args:
-            pictures: what is shown now.
-            text: what should be shown.
-            done: how much of the optimisation is done, from 0 to 1.
+            pictures: as they are now.
+            text: what they should show.
+            progress: share of the optimisation that is complete, from 0 to 1.
         """
 
 
 class Diffusion(Protocol):
     """A diffusion model of pictures."""
 
-    def hidden(self, pictures: Pictures) -> Tensor:
-        """Pictures in the space that it works in; differentiable."""
+    def encode(self, pictures: Pictures) -> Tensor:
+        """Pictures in the space of the model; differentiable."""
 
-    def shares(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
-        """Of picture and of noise at times from 0 to 1, [n, 1, 1, 1]."""
+    def alpha_sigma(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
+        """Factors of picture and noise at times from 0 to 1, [n, 1, 1, 1]."""
 
-    def told(self, text: str) -> Any:
-        """A text as it is told; the empty text says nothing."""
+    def embed_prompt(self, text: str) -> Any:
+        """The embedding of a prompt; the empty text is the unconditional one."""
 
-    def noise(self, noisy: Tensor, times: Float[Tensor, " n"], told: Any) -> Tensor:
-        """The noise in noisy ones, given a text."""
+    def predict_noise(self, noisy: Tensor, times: Float[Tensor, " n"], prompt: Any) -> Tensor:
+        """The noise in noisy pictures, given an embedded prompt."""
 
 
 @dataclass(frozen=True)
 class NoiseSchedule:
-    """Times of the noise: between `first` and `last` as the optimisation goes on, +- `width`."""
+    """Diffusion times: from `first` to `last` as the optimisation proceeds, +- `width`."""
 
     first: float = 0.7
     last: float = 0.3
@@ -72,11 +83,13 @@ class NoiseSchedule:
         if not (0 < self.last <= self.first < 1 and 0 <= self.width < 1):
             raise LearnError("times of noise are more than 0 and less than 1, the first the latest")
 
-    def drawn(self, done: float, count: int, generator: torch.Generator) -> Float[Tensor, " n"]:
-        """Times for some pictures."""
-        middle = self.first + (self.last - self.first) * done
+    def sample_times(
+        self, progress: float, count: int, generator: torch.Generator
+    ) -> Float[Tensor, " n"]:
+        """Random times for `count` pictures, uniform around the current middle."""
+        middle = self.first + (self.last - self.first) * progress
         spread = (2 * torch.rand(count, generator=generator) - 1) * self.width
-        return (middle + spread).clamp(0.02, 0.98)
+        return (middle + spread).clamp(*TIME_LIMITS)
 
 
 class ScoreDistillation:
@@ -84,16 +97,15 @@ class ScoreDistillation:
 
     Args:
         diffusion: the model.
-        scale: how much more the text counts than its absence (classifier-free guidance).
-        negative: what the picture should not show; empty for nothing.
-        wrapped: what a text is wrapped in: `"a photo of {}"`.
+        scale: of classifier-free guidance: weight of the text over the negative prompt.
+        negative: what the picture should not show; empty for the unconditional prompt.
+        prompt_template: prompt around the text: `"a photo of {}"`.
         schedule: times of the noise.
-        noises: how many are put on each picture, each at a time of its own; the gradient is their
-            mean.
+        noise_samples: noise samples for each picture, each at its own time; gradients are averaged.
         seed: of noise and times.
 
     Raises:
-        LearnError: `wrapped` has no place for the text, or a number is out of range.
+        LearnError: `prompt_template` has no place for the text, or a number is out of range.
     """
 
     def __init__(
@@ -102,62 +114,82 @@ class ScoreDistillation:
         *,
         scale: float = 7.5,
         negative: str = "",
-        wrapped: str = "{}",
+        prompt_template: str = "{}",
         schedule: NoiseSchedule = NoiseSchedule(),
-        noises: int = 4,
+        noise_samples: int = 4,
         seed: int = 0,
     ) -> None:
-        if wrapped.count("{}") != 1:
-            raise LearnError(f"the wrapping {wrapped!r} needs one {{}} where the text goes")
+        if prompt_template.count("{}") != 1:
+            raise LearnError(
+                f"the prompt template {prompt_template!r} needs one {{}} where the text goes"
+            )
         if not 0 < scale <= MAX_SCALE:
             raise LearnError(
                 f"the guidance scale is {scale:g}; give more than 0, up to {MAX_SCALE:g}"
             )
         if not 0 <= seed <= MAX_SEED:
             raise LearnError(f"the seed is {seed}; give 0 to {MAX_SEED}")
-        self.diffusion, self.scale, self.wrapped = diffusion, scale, wrapped
-        self.schedule, self.noises = schedule, noises
+        self.diffusion, self.scale, self.prompt_template = diffusion, scale, prompt_template
+        self.schedule, self.noise_samples = schedule, noise_samples
         self.generator = torch.Generator().manual_seed(seed)
         self._negative = negative
-        self._known: dict[str, Any] = {}
-        self._given: tuple[Tensor, str] | None = None
-        self._further = 1.0
+        self._embeddings: dict[str, Any] = {}
+        self._source: tuple[Tensor, str] | None = None
+        self._boost = 1.0
 
-    def start(self, pictures: Pictures, said: str, further: float = 1.0) -> None:
-        """See `Guidance`; without it nothing is taken off."""
-        self._further = further
+    def start(self, pictures: Pictures, source_prompt: str, boost: float = 1.0) -> None:
+        """See `Guidance`; if it is not called, nothing is subtracted."""
+        self._boost = boost
         with torch.no_grad():
-            self._given = self.diffusion.hidden(pictures), said
+            self._source = self.diffusion.encode(pictures), source_prompt
 
-    def gradient(self, pictures: Pictures, text: str, done: float) -> Pictures:
-        """See `Guidance`; noise and times are drawn for each picture on its own."""
-        shown = pictures.detach().requires_grad_()
-        hidden = self.diffusion.hidden(shown)
-        many = hidden.detach().repeat_interleave(self.noises, 0)
-        times = self.schedule.drawn(done, len(many), self.generator).to(hidden.device)
-        noise = torch.randn(many.shape, generator=self.generator).to(hidden)
-        push = self.push(many, self.wrapped.replace("{}", text), times, noise)
-        if self._given is not None:
-            given, said = self._given
-            true = self.wrapped.replace("{}", said) if said else ""
-            push = push - self.push(given.repeat_interleave(self.noises, 0), true, times, noise)
-        push = push.unflatten(0, (-1, self.noises)).mean(1)
-        (gradient,) = torch.autograd.grad(hidden, shown, push)
+    def gradient(self, pictures: Pictures, text: str, progress: float) -> Pictures:
+        """See `Guidance`; each picture has noise and times of its own."""
+        leaf = pictures.detach().requires_grad_()
+        encoded = self.diffusion.encode(leaf)
+        repeated = encoded.detach().repeat_interleave(self.noise_samples, 0)
+        times = self.schedule.sample_times(progress, len(repeated), self.generator)
+        times = times.to(encoded.device)
+        noise = torch.randn(repeated.shape, generator=self.generator).to(encoded)
+        sds = self.sds_gradient(repeated, self._fill(text), times, noise)
+        if self._source is not None:
+            source, prompt = self._source
+            source = source.repeat_interleave(self.noise_samples, 0)
+            # The same noise and times, so that what the model would change anyway cancels out.
+            sds = sds - self.sds_gradient(
+                source, self._fill(prompt) if prompt else "", times, noise
+            )
+        sds = sds.unflatten(0, (-1, self.noise_samples)).mean(1)
+        (gradient,) = torch.autograd.grad(encoded, leaf, sds)
         return gradient
 
     @torch.no_grad()
-    def push(self, hidden: Tensor, text: str, times: Float[Tensor, " n"], noise: Tensor) -> Tensor:
-        """The gradient in the model's own space, for given times and noise, of a whole text."""
-        alpha, sigma = (share.to(hidden) for share in self.diffusion.shares(times))
-        noisy = alpha * hidden + sigma * noise
-        said = self.diffusion.noise(noisy, times, self._told(text))
-        unsaid = self.diffusion.noise(noisy, times, self._told(self._negative))
-        return sigma**2 * (unsaid - noise + self.scale * self._further * (said - unsaid))
+    def sds_gradient(
+        self, encoded: Tensor, prompt: str, times: Float[Tensor, " n"], noise: Tensor
+    ) -> Tensor:
+        """sigma^2 (e' - e) in the space of the model (see the top of this file).
 
-    def _told(self, text: str) -> Any:
-        if text not in self._known:
-            self._known[text] = self.diffusion.told(text)
-        return self._known[text]
+        Args:
+            encoded: pictures in that space.
+            prompt: the whole prompt.
+            times: a time for each picture.
+            noise: as `encoded`.
+        """
+        alpha, sigma = (factor.to(encoded) for factor in self.diffusion.alpha_sigma(times))
+        noisy = alpha * encoded + sigma * noise
+        conditional = self.diffusion.predict_noise(noisy, times, self._embed(prompt))
+        negative = self.diffusion.predict_noise(noisy, times, self._embed(self._negative))
+        scale = self.scale * self._boost
+        return sigma**2 * (negative - noise + scale * (conditional - negative))
+
+    def _fill(self, text: str) -> str:
+        """The prompt of a text; `str.format` would fail on other braces."""
+        return self.prompt_template.replace("{}", text)
+
+    def _embed(self, prompt: str) -> Any:
+        if prompt not in self._embeddings:
+            self._embeddings[prompt] = self.diffusion.embed_prompt(prompt)
+        return self._embeddings[prompt]
 
 
 def optimise_latent(
@@ -167,44 +199,50 @@ def optimise_latent(
     text: str,
     *,
     steps: int,
-    rate: float,
-    pull: float,
-    held: Float[Tensor, "pixel_row pixel_col"] | None = None,
+    learning_rate: float,
+    distance_weight: float,
+    keep_weight: Float[Tensor, "pixel_row pixel_col"] | None = None,
     progress: Callable[[int, Tensor], None] = lambda step, z: None,
 ) -> Float[Tensor, " latent"]:
-    """The latent vector that a text makes of another, by gradient descent (Adam).
+    """Optimise a latent vector so that its picture matches a text.
+
+    Minimises, by gradient descent (Adam, Kingma and Ba 2015), with g the gradient of the guidance
+    at the current picture,
+
+        <g, draw(z)> + distance_weight |z - start|^2
+        + sum over pixels of keep_weight (draw(z) - draw(start))^2.
 
     Args:
-        start: the latent vector of the garment as it is.
+        start: latent vector of the garment before the edit.
         draw: pictures of latent vectors; differentiable.
-        guidance: which way pictures should change.
-        text: what they should show.
-        steps: how many.
-        rate: of Adam.
-        pull: how much the squared distance from the start costs.
-        held: how much the squared change of a colour costs, by pixel; None if it costs nothing.
-        progress: called after every step.
+        guidance: gives g.
+        text: what the picture should show.
+        steps: of the optimisation.
+        learning_rate: of Adam.
+        distance_weight: weight of the squared distance from the start.
+        keep_weight: weight of the squared change of a colour, by pixel; None for 0.
+        progress: called after every step with its number, from 1, and the latent vector.
 
     Raises:
-        LearnError: the guidance gives what is no number.
+        LearnError: the optimisation diverges (NaN or infinite values).
     """
     z = start.clone().requires_grad_()
     with torch.no_grad():
         first = draw(start[None])
-    optimizer = torch.optim.Adam([z], rate, betas=(0.9, 0.99))
+    optimizer = torch.optim.Adam([z], learning_rate, betas=(0.9, 0.99))
     for step in range(steps):
         picture = draw(z[None])
-        push = guidance.gradient(picture.detach(), text, step / max(steps - 1, 1))
-        loss = (push * picture).sum() + pull * ((z - start) ** 2).sum()
-        if held is not None:
-            loss = loss + (held * (picture - first) ** 2).sum()
+        gradient = guidance.gradient(picture.detach(), text, step / max(steps - 1, 1))
+        loss = (gradient * picture).sum() + distance_weight * ((z - start) ** 2).sum()
+        if keep_weight is not None:
+            loss = loss + (keep_weight * (picture - first) ** 2).sum()
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
         if not z.isfinite().all():
             raise LearnError(
-                f"the guidance gives no numbers any more (step {step + 1}); try a smaller scale, "
-                "or another model"
+                f"the guidance gives NaN or infinite values (step {step + 1}); try a smaller "
+                "scale, or another model"
             )
         progress(step + 1, z.detach().clone())
     return z.detach()

@@ -1,4 +1,4 @@
-"""The small diffusion model that comes with the package, as guidance."""
+"""Guidance by the bundled diffusion model, which works on pixels."""
 
 from pathlib import Path
 
@@ -14,29 +14,29 @@ from garmentimage.system import shown_path
 from garmentimage.text_edit.guidance import NoiseSchedule, Pictures
 
 SCALE = 6.0
-"""How much more a text counts than its absence."""
+"""Scale of classifier-free guidance."""
 NOISE_SAMPLES = 2
-"""Put on each picture in a step."""
+"""Noise samples for each picture in a step."""
 SCHEDULE = NoiseSchedule(0.9, 0.5)
-"""Of their times: much noise, so that legs may become a skirt."""
+"""Much noise, so that legs may become a skirt."""
 
 
 class PixelDiffusion:
-    """The model in a folder; it works on pictures as they are.
+    """A denoiser in a folder.
 
     Raises:
-        LearnError: the folder holds none, or the sentence encoder is not installed.
+        LearnError: the folder has no denoiser, or the sentence encoder is not installed.
     """
 
     def __init__(self, folder: str | Path) -> None:
         self.model = load_weights(Denoiser, folder)
         if self.model.config.text != SIZE:
             raise LearnError(
-                f"{shown_path(folder)}: is told texts of {self.model.config.text} numbers, the "
-                f"sentence encoder gives {SIZE}; get it again"
+                f"{shown_path(folder)}: takes text embeddings of {self.model.config.text} numbers, "
+                f"the sentence encoder gives {SIZE}; download it again"
             )
 
-    def hidden(self, pictures: Pictures) -> Tensor:
+    def encode(self, pictures: Pictures) -> Tensor:
         """Colours from -1 to 1.
 
         Raises:
@@ -45,20 +45,22 @@ class PixelDiffusion:
         wanted, side = self.model.config.picture, pictures.shape[-1]
         if side != wanted:
             raise LearnError(
-                f"the denoiser is for pictures of {wanted} pixels, the picture network draws "
+                f"the denoiser takes pictures of {wanted} pixels, the picture network draws "
                 f"{side}; name two that were trained on one dataset"
             )
         return 2 * pictures - 1
 
-    def shares(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
-        """Of picture and of noise."""
+    def alpha_sigma(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
+        """Factors of picture and noise."""
         return shares(times)
 
-    def told(self, text: str) -> Tensor | None:
-        """The meaning of a text; None of the empty one."""
+    def embed_prompt(self, text: str) -> Tensor | None:
+        """The sentence embedding of a prompt; None for the empty one."""
         return torch.from_numpy(embedded([text])) if text else None
 
-    def noise(self, noisy: Tensor, times: Float[Tensor, " n"], told: Tensor | None) -> Tensor:
-        """The noise that it sees."""
-        text = None if told is None else told.to(noisy).expand(len(noisy), -1)
-        return self.model.noise(noisy, times, text)
+    def predict_noise(
+        self, noisy: Tensor, times: Float[Tensor, " n"], prompt: Tensor | None
+    ) -> Tensor:
+        """The noise in noisy pictures."""
+        embedding = None if prompt is None else prompt.to(noisy).expand(len(noisy), -1)
+        return self.model.noise(noisy, times, embedding)

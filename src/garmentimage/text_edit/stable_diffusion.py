@@ -16,24 +16,26 @@ from garmentimage.text_edit.guidance import Pictures
 
 DEFAULT_MODEL = "stable-diffusion-v1-5/stable-diffusion-v1-5"
 SCALE, PROMPT_TEMPLATE = 30.0, "a photo of a person wearing {}, plain white background"
-"""How much more a text counts than its absence, and what it is wrapped in."""
+"""Scale of classifier-free guidance, and the prompt around a text."""
 HUB_ID = re.compile(r"\w[\w.-]*/\w[\w.-]*")
 PREDICTION_TYPES = "epsilon", "v_prediction"
-"""What a model may say of a noisy picture."""
+"""Parametrisations of the denoiser: the noise, or v = alpha noise - sigma picture (Salimans and Ho
+2022)."""
 INCOMPATIBLE = (AttributeError, IndexError, TypeError, ValueError, ArithmeticError, RuntimeError)
-"""What parts raise that do not fit each other."""
+"""Raised by parts of a model that do not match each other."""
+LOAD_ERROR = "is not a readable Stable Diffusion model, or cannot be downloaded"
 
 
 class StableDiffusion:
-    """A Stable Diffusion pipeline; it works in the space of its own autoencoder.
+    """A Stable Diffusion pipeline; it works in the latent space of its autoencoder.
 
     Args:
         model: a folder that `diffusers` saved, or an id on the Hugging Face Hub.
         device: where it runs; half precision on a GPU.
 
     Raises:
-        LearnError: `diffusers` is not installed, the model is not there and cannot be had, or is
-            of another kind.
+        LearnError: `diffusers` is not installed, or the model does not exist, cannot be downloaded
+            or is of another kind.
     """
 
     def __init__(self, model: str = DEFAULT_MODEL, device: str | None = None) -> None:
@@ -55,47 +57,47 @@ class StableDiffusion:
             ) from error
         except INCOMPATIBLE as error:
             raise LearnError(
-                f"{shown_path(model)}: does not guide as Stable Diffusion does "
+                f"{shown_path(model)}: is not compatible with Stable Diffusion "
                 f"({type(error).__name__}); download {DEFAULT_MODEL} and give its folder"
             ) from error
 
     @torch.no_grad()
     def _try_out(self) -> None:
-        """Code, tell and denoise once, so that what does not fit is known before the work."""
+        """Run every part once, so that incompatible parts are found before the work."""
         if self.pipe.scheduler.config.prediction_type not in PREDICTION_TYPES:
             raise LearnError(
                 f"predicts {self.pipe.scheduler.config.prediction_type}, not "
                 f"{' or '.join(PREDICTION_TYPES)}; download {DEFAULT_MODEL} and give its folder"
             )
-        self.kept = self.pipe.scheduler.alphas_cumprod.to(self.device)
+        self.alpha_bar = self.pipe.scheduler.alphas_cumprod.to(self.device)
         times = torch.full((1,), 0.5)
-        hidden = self.hidden(torch.zeros(1, 3, 8, 8))
-        if self.noise(hidden, times, self.told("")).shape != hidden.shape:
-            raise ValueError("noise of another shape than the picture's code")
+        encoded = self.encode(torch.zeros(1, 3, 8, 8))
+        if self.predict_noise(encoded, times, self.embed_prompt("")).shape != encoded.shape:
+            raise ValueError("noise of another shape than the encoded picture")
 
     @property
     def size(self) -> int:
         """Pixels a side of the pictures that it was trained on."""
         return int(self.pipe.unet.config.sample_size * self.pipe.vae_scale_factor)
 
-    def hidden(self, pictures: Pictures) -> Tensor:
-        """Pictures, upright and scaled up, as its autoencoder codes them."""
+    def encode(self, pictures: Pictures) -> Tensor:
+        """Latents of pictures, turned upright and enlarged before."""
         upright = pictures.flip(2).to(self.device, self.kind)
         large = functional.interpolate(upright, (self.size, self.size), mode="bilinear")
-        coded = self.pipe.vae.encode(2 * large - 1).latent_dist.mean
-        return (coded * self.pipe.vae.config.scaling_factor).float()
+        latents = self.pipe.vae.encode(2 * large - 1).latent_dist.mean
+        return (latents * self.pipe.vae.config.scaling_factor).float()
 
-    def shares(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
-        """Of picture and of noise, at the step of its own schedule that is nearest."""
-        kept = self.kept[self._steps(times)][:, None, None, None].float()
-        return kept.sqrt(), (1 - kept).sqrt()
+    def alpha_sigma(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
+        """Factors of picture and noise, at the nearest step of the model's own schedule."""
+        alpha_bar = self.alpha_bar[self._steps(times)][:, None, None, None].float()
+        return alpha_bar.sqrt(), (1 - alpha_bar).sqrt()
 
     @torch.no_grad()
-    def told(self, text: str) -> Tensor:
-        """What its text encoder makes of a text.
+    def embed_prompt(self, text: str) -> Tensor:
+        """The embedding of a prompt by the model's text encoder.
 
         Raises:
-            LearnError: the text is longer than it reads.
+            LearnError: the prompt is too long.
         """
         most = int(self.pipe.text_encoder.config.max_position_embeddings)
         tokens = self.pipe.tokenizer(
@@ -104,42 +106,66 @@ class StableDiffusion:
         count = tokens.input_ids.shape[1]
         if count > most:
             raise LearnError(
-                f"the text has {count} tokens with what it is wrapped in, the model reads {most}; "
-                "make it shorter"
+                f"the prompt has {count} tokens, the model reads {most}; shorten the text or the "
+                "prompt template"
             )
         found: Tensor = self.pipe.text_encoder(tokens.input_ids.to(self.device))[0]
         return found
 
-    def noise(self, noisy: Tensor, times: Float[Tensor, " n"], told: Tensor) -> Tensor:
-        """The noise that it sees."""
-        text = told.expand(len(noisy), -1, -1)
-        found = self.pipe.unet(
+    def predict_noise(self, noisy: Tensor, times: Float[Tensor, " n"], prompt: Tensor) -> Tensor:
+        """The noise in noisy latents."""
+        text = prompt.expand(len(noisy), -1, -1)
+        predicted: Tensor = self.pipe.unet(
             noisy.to(self.kind), self._steps(times), encoder_hidden_states=text
         ).sample
         if self.pipe.scheduler.config.prediction_type == "v_prediction":
-            alpha, sigma = self.shares(times)
-            return alpha * found.float() + sigma * noisy
-        return found.float()  # type: ignore[no-any-return]
+            alpha, sigma = self.alpha_sigma(times)
+            return alpha * predicted.float() + sigma * noisy
+        return predicted.float()
 
     def _steps(self, times: Float[Tensor, " n"]) -> Tensor:
-        last = len(self.kept) - 1
+        last = len(self.alpha_bar) - 1
         return (times.to(self.device) * last).round().long().clamp(0, last)
 
 
 def _pipeline(model: str) -> Any:
     """The parts of a model, in full precision."""
+    pipeline = _pipeline_class()
+    is_local = _check_location(model)
+    _check_class(pipeline, model, is_local)
     try:
-        from diffusers.utils import logging as of_diffusers
-        from transformers.utils import logging as of_transformers
+        return pipeline.from_pretrained(
+            model,
+            safety_checker=None,
+            feature_extractor=None,
+            requires_safety_checker=False,
+            use_safetensors=True,
+            local_files_only=is_local,
+            low_cpu_mem_usage=False,
+        )
+    except Exception as error:
+        raise _load_error(model, error) from None
+
+
+def _pipeline_class() -> Any:
+    """`diffusers.StableDiffusionPipeline`, with its messages and progress bars switched off."""
+    try:
+        from diffusers.utils import logging as diffusers_logging
+        from transformers.utils import logging as transformers_logging
     except ImportError:
         raise LearnError(
             "guidance by Stable Diffusion needs diffusers; `pip install -e '.[sd]'`"
         ) from None
-    for logging in (of_diffusers, of_transformers):  # They would tell much that is no matter here.
+    for logging in (diffusers_logging, transformers_logging):
         logging.set_verbosity_error()
         logging.disable_progress_bar()
     from diffusers import StableDiffusionPipeline
 
+    return StableDiffusionPipeline
+
+
+def _check_location(model: str) -> bool:
+    """Whether a model is a folder; refuse what is neither a model's folder nor an id on the Hub."""
     try:
         is_folder = Path(model).is_dir()
     except OSError as error:
@@ -154,28 +180,26 @@ def _pipeline(model: str) -> Any:
             f"{shown_path(model)}: holds no Stable Diffusion model (no model_index.json); give a "
             "folder that diffusers saved"
         )
+    return is_folder
+
+
+def _check_class(pipeline: Any, model: str, is_local: bool) -> None:
+    """Refuse pipelines of other classes before their weights are read or downloaded."""
     try:
-        with warnings.catch_warnings():  # of one library about how another calls it
+        with warnings.catch_warnings():  # huggingface_hub warns of how diffusers calls it
             warnings.filterwarnings("ignore", "The `local_dir_use_symlinks` argument")
-            told = StableDiffusionPipeline.load_config(model, local_files_only=is_folder)
-        if told.get("_class_name") != StableDiffusionPipeline.__name__:
-            raise LearnError(
-                f"{shown_path(model)}: is a {told.get('_class_name')}, no Stable Diffusion 1 or 2; "
-                f"download {DEFAULT_MODEL} and give its folder"
-            )
-        return StableDiffusionPipeline.from_pretrained(
-            model,
-            safety_checker=None,
-            feature_extractor=None,
-            requires_safety_checker=False,
-            use_safetensors=True,
-            local_files_only=is_folder,
-            low_cpu_mem_usage=False,
-        )
-    except LearnError:
-        raise
-    except Exception as error:  # What may go wrong spans four libraries and the network.
+            found = pipeline.load_config(model, local_files_only=is_local).get("_class_name")
+    except Exception as error:
+        raise _load_error(model, error) from None
+    if found != pipeline.__name__:
         raise LearnError(
-            f"{shown_path(model)}: is no Stable Diffusion model that can be read, or cannot be "
-            f"fetched ({type(error).__name__}); download {DEFAULT_MODEL} and give its folder"
-        ) from None
+            f"{shown_path(model)}: is a {found}, not Stable Diffusion 1 or 2; download "
+            f"{DEFAULT_MODEL} and give its folder"
+        )
+
+
+def _load_error(model: str, error: Exception) -> LearnError:
+    return LearnError(
+        f"{shown_path(model)}: {LOAD_ERROR} ({type(error).__name__}); download {DEFAULT_MODEL} and "
+        "give its folder"
+    )

@@ -1,25 +1,17 @@
-"""An edit to look at: the garment as given, moments of the way, and the result, worn."""
+"""An edit as a strip of pictures: the source garment, steps of the optimisation, and the result."""
 
-import numpy as np
-from jaxtyping import UInt8
-
-from garmentimage.networks import Shown, shown, strip
+from garmentimage.networks import Shown, shown
 from garmentimage.text_edit.editor import TextEdit
 
-TITLE = 40
-"""Characters of a text that are shown."""
+MAX_TITLE_LENGTH = 40
+"""Characters of a title."""
 
 
-def way(found: TextEdit, text: str) -> list[Shown]:
-    """Columns of a strip: first the garment as given, last what the text made of it."""
-    moments = [
+def strip_columns(edit: TextEdit, text: str) -> list[Shown]:
+    """Columns of the strip, for `networks.strip`: first the source, last the result, both worn."""
+    steps = [
         Shown(f"step {each.number}", each.step, None, each.step.faults, each.picture)
-        for each in found.frames
+        for each in edit.frames
     ]
-    ends = shown("as given", found.given), shown(f"edited: {text}"[:TITLE], found.result)
-    return [ends[0], *moments, ends[1]]
-
-
-def way_picture(found: TextEdit, text: str) -> UInt8[np.ndarray, "row col 3"]:
-    """The same as one picture."""
-    return strip(way(found, text))
+    title = f"edited: {text}"[:MAX_TITLE_LENGTH]
+    return [shown("as given", edit.source), *steps, shown(title, edit.result)]

@@ -1,7 +1,7 @@
-"""Which words of a text the networks know: those that garments were described by in training.
+"""The vocabulary of editing by text: words that describe garments in the training data.
 
-Sentence encoders find something near to every text: "with pockets" is nearest to "with pants". So
-a text is looked at word by word.
+A sentence encoder finds a nearest phrase for any text: that of "with pockets" is "with pants". So
+every word of a text is looked up.
 """
 
 import re
@@ -13,9 +13,9 @@ from garmentimage.errors import LearnError, quoted
 
 _WORD = re.compile(r"[^\W\d_]+")
 _ENDINGS = ("ening", "ened", "est", "ing", "en", "er", "ed", "es", "ly", "s", "e")
-_SHORTEST_STEM = 3
-_MOST_NAMED = 5
-_HELPER_WORDS = """
+_MIN_STEM_LENGTH = 3
+_MAX_LISTED = 5
+_STOP_WORD_TEXT = """
 a about above add all also an and ankle ankles are arms as at be below bit but by can change could
 cut do down end ends ever every extend extra fairly floor for from garment get give given go goes
 going great ground half have hem hers his how i if in instead into is it its just keep kind less
@@ -25,20 +25,20 @@ replace shall should side size slightly so some something sort still style such 
 their them then these they thing this those three to too turn two under up upper us very want
 wanted was way we wear well which will wish with without would wrist you your
 """
-_HELPERS = frozenset(_HELPER_WORDS.split())
-"""Words that ask for nothing by themselves."""
+_STOP_WORDS = frozenset(_STOP_WORD_TEXT.split())
+"""Words without a meaning of their own for garments."""
 
 
 @dataclass(frozen=True)
 class Words:
-    """The words of a text that ask for something, in their order."""
+    """The words of a text that are not stop words, in their order."""
 
     known: tuple[str, ...]
     unknown: tuple[str, ...]
 
 
 def split_words(text: str) -> Words:
-    """Which words of a text the networks know, and which they have never met.
+    """Split the words of a text into those of the vocabulary and others.
 
     Example:
         >>> words_of("make it a longer dress with pockets")
@@ -49,16 +49,16 @@ def split_words(text: str) -> Words:
     for word in _WORD.findall(text.lower()):
         if _stem(word) in _vocabulary():
             known[word] = None
-        elif word not in _HELPERS:
+        elif word not in _STOP_WORDS:
             unknown[word] = None
     return Words(tuple(known), tuple(unknown))
 
 
 def check_known(text: str) -> None:
-    """Refuse a text of which the networks know no word: they would make something else of it.
+    """Refuse a text without any word of the vocabulary: its result would be arbitrary.
 
     Raises:
-        LearnError: names the words.
+        LearnError: lists the unknown words.
     """
     words = split_words(text)
     if not words.known:
@@ -71,22 +71,22 @@ def check_known(text: str) -> None:
 
 def list_words(words: tuple[str, ...]) -> str:
     """The first few words, for a message."""
-    more = len(words) - _MOST_NAMED
-    shown = ", ".join(quoted(word) for word in words[:_MOST_NAMED])
+    more = len(words) - _MAX_LISTED
+    shown = ", ".join(quoted(word) for word in words[:_MAX_LISTED])
     return f"{shown} and {more} more" if more > 0 else shown
 
 
 @cache
 def _vocabulary() -> frozenset[str]:
-    """Stems of the words that say something of a garment."""
+    """Stems of the words of all training phrases."""
     words = {word for phrase in all_phrases() for word in _WORD.findall(phrase.lower())}
-    return frozenset(_stem(word) for word in words - _HELPERS)
+    return frozenset(_stem(word) for word in words - _STOP_WORDS)
 
 
 def _stem(word: str) -> str:
-    """The word without the ending of a plural, a comparison or a verb: "slimmer" is "slim"."""
+    """A word without the ending of a plural, comparative or verb: "slimmer" becomes "slim"."""
     for ending in _ENDINGS:
-        if word.endswith(ending) and len(word) - len(ending) >= _SHORTEST_STEM:
+        if word.endswith(ending) and len(word) - len(ending) >= _MIN_STEM_LENGTH:
             word = word.removesuffix(ending)
             return word[:-1] if word[-1] == word[-2] and ending != "e" else word
     return word

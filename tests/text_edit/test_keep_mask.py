@@ -1,4 +1,4 @@
-"""Where the picture of a garment stays while a text changes the rest."""
+"""Where the picture of a garment is kept while a text changes the rest."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,8 @@ import torch
 import garmentimage as gi
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.text_edit.editor import run_edit
+from garmentimage.text_edit.goal import keep_mask
 from garmentimage.text_edit.guidance import optimise_latent
-from garmentimage.text_edit.keep_mask import keep_mask
 from tests.text_edit.fakes import PixelDecoder, TowardsWhite
 
 DRESS = draft_pattern("one-panel-dress", cutout="none", body_length=45)
@@ -23,16 +23,14 @@ def cloth(pattern) -> np.ndarray:
     return gi.photograph(gi.drape_pattern(pattern), size=64).silhouette[::-1] > 0.5
 
 
-@pytest.mark.parametrize(("touched", "other"), [("sleeves", SLEEVED), ("below the waist", LONGER)])
-def test_garments_that_differ_in_what_a_text_touches_differ_mostly_where_nothing_is_held(
-    touched, other
-):
+@pytest.mark.parametrize(("region", "other"), [("sleeves", SLEEVED), ("below the waist", LONGER)])
+def test_pictures_of_garments_that_differ_in_a_region_differ_mostly_outside_its_mask(region, other):
     changed = cloth(DRESS) != cloth(other)
     assert changed.sum() > 60
-    assert changed[keep_mask(touched, 64)].sum() < 0.4 * changed.sum()
+    assert changed[keep_mask(region, 64)].sum() < 0.4 * changed.sum()
 
 
-def test_what_is_held_stays_while_the_rest_goes_where_it_is_pushed():
+def test_weighted_pixels_are_kept_while_the_rest_follows_the_guidance():
     held = torch.zeros(8, 8)
     held[4:] = 5.0
     ends = optimise_latent(
@@ -41,27 +39,27 @@ def test_what_is_held_stays_while_the_rest_goes_where_it_is_pushed():
         TowardsWhite(),
         "white",
         steps=300,
-        rate=0.02,
-        pull=0.0,
-        held=held,
+        learning_rate=0.02,
+        distance_weight=0.0,
+        keep_weight=held,
     )
     drawn = (0.5 + 0.5 * ends + 0.1 * ends.sum() / 10).reshape(3, 8, 8)
     assert (drawn[:, 4:] - 0.5).abs().max() < 0.05 < 0.4 < (drawn[:, :4] - 0.5).abs().min()
 
 
-@pytest.mark.parametrize("touched", ["sleeves", "below the waist"])
-def test_an_edit_holds_what_its_text_does_not_touch_and_more_so_with_less_strength(touched):
+@pytest.mark.parametrize("region", ["sleeves", "below the waist"])
+def test_an_edit_keeps_other_regions_and_more_so_with_less_strength(region):
     pictures = PixelDecoder()
-    staying_now = torch.from_numpy(keep_mask(touched, 8))
+    kept = torch.from_numpy(keep_mask(region, 8))
 
-    def changes(touched, strength):
+    def changes(region, strength):
         z = run_edit(
             torch.zeros(3 * 8 * 8), pictures, TowardsWhite(), "white", "",
-            strength=strength, steps=100, touched=touched,
+            strength=strength, steps=100, region=region,
         )  # fmt: skip
         change = pictures.draw(z)[0] - 0.5
-        return float(change[:, staying_now].mean()), float(change[:, ~staying_now].mean())
+        return float(change[:, kept].mean()), float(change[:, ~kept].mean())
 
-    free, held, weakly = changes(None, 1.0), changes(touched, 1.0), changes(touched, 4.0)
+    free, held, weakly = changes(None, 1.0), changes(region, 1.0), changes(region, 4.0)
     assert held[0] < 0.8 * weakly[0] < 0.8 * free[0]
     assert held[1] == pytest.approx(free[1], abs=0.02)

@@ -1,10 +1,10 @@
-"""Edits that look at what they made: what a text asks for, and which try is kept."""
+"""Attempts at an edit: the goal of a text, and which attempt is the best."""
 
 import pytest
 
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.metrics.shape_attributes import measure_shape
-from garmentimage.text_edit.best_of import GUIDANCE_BOOSTS, MAX_ATTEMPTS, best_attempt
+from garmentimage.text_edit.attempts import GUIDANCE_BOOSTS, MAX_ATTEMPTS, best_attempt
 from garmentimage.text_edit.goal import EditGoal, parse_goal
 from tests.text_edit.fakes import decoded
 
@@ -16,7 +16,7 @@ LONG_TROUSERS = draft_pattern("top-pants", leg_length=1.0)
 
 
 @pytest.mark.parametrize(
-    ("phrase", "before", "after", "is_done"),
+    ("phrase", "before", "after", "is_achieved"),
     [
         ("pants", DRESS, TROUSERS, True),
         ("pants", DRESS, LONGER, False),
@@ -35,8 +35,10 @@ LONG_TROUSERS = draft_pattern("top-pants", leg_length=1.0)
         ("long pants", TROUSERS, LONG_TROUSERS, True),
     ],
 )
-def test_geometry_tells_whether_what_a_phrase_asks_for_is_done(phrase, before, after, is_done):
-    assert EditGoal(phrase).is_done(measure_shape(before), measure_shape(after)) is is_done
+def test_geometry_decides_whether_the_goal_of_a_phrase_is_achieved(
+    phrase, before, after, is_achieved
+):
+    assert EditGoal(phrase).is_achieved(measure_shape(before), measure_shape(after)) is is_achieved
 
 
 @pytest.mark.slow
@@ -58,21 +60,21 @@ def test_texts_that_mean_one_phrase_that_geometry_can_tell_are_looked_at(text, p
 
 @pytest.fixture
 def attempts(monkeypatch):
-    """Edits that come out as they are told to; the text is "long sleeves"."""
+    """Attempts with given results; the text is "long sleeves"."""
     monkeypatch.setattr(
-        "garmentimage.text_edit.best_of.parse_goal", lambda text: EditGoal("long sleeves")
+        "garmentimage.text_edit.attempts.parse_goal", lambda text: EditGoal("long sleeves")
     )
     seen = []
 
-    def trying(*results, tries=MAX_ATTEMPTS):
+    def trying(*results, max_attempts=MAX_ATTEMPTS):
         left = iter(results)
 
-        def attempt(further, touched):
-            assert touched == "sleeves"
-            seen.append(further)
+        def attempt(boost, region):
+            assert region == "sleeves"
+            seen.append(boost)
             return next(left)
 
-        return best_attempt(DRESS, "long sleeves", attempt, tries), seen
+        return best_attempt(DRESS, "long sleeves", attempt, max_attempts), seen
 
     return trying
 
@@ -82,36 +84,36 @@ GOOD = draft_pattern("one-panel-dress", body_length=55, sleeves="set-in", sleeve
 TOO_MUCH = draft_pattern("one-panel-dress", body_length=80, sleeves="set-in", sleeve_length=1.0)
 
 
-def test_the_first_good_try_is_kept_and_the_text_pushes_further_until_there_is_one(attempts):
+def test_the_first_successful_attempt_is_returned_and_guidance_is_boosted_until_then(attempts):
     best, seen = attempts(decoded(DRESS), decoded(GOOD))
-    assert (best.number, best.count, best.done) == (1, 2, True)
+    assert (best.number, best.count, best.achieved) == (1, 2, True)
     assert seen == list(GUIDANCE_BOOSTS[:2])
 
 
-def test_a_garment_that_cannot_be_sewn_is_made_anew(attempts):
+def test_a_garment_that_cannot_be_sewn_starts_another_attempt(attempts):
     best, _ = attempts(decoded(GOOD, ("a seam is open",)), decoded(None), decoded(GOOD))
     assert (best.number, best.count) == (2, 3)
 
 
-def test_where_too_little_is_kept_the_best_of_all_tries_is_taken(attempts):
+def test_where_too_little_is_preserved_the_best_of_all_attempts_is_returned(attempts):
     best, _ = attempts(decoded(TOO_MUCH), decoded(DRESS), decoded(TOO_MUCH), decoded(None))
-    assert (best.number, best.count, best.done) == (0, 4, True)
+    assert (best.number, best.count, best.achieved) == (0, 4, True)
 
 
-def test_what_was_never_done_is_said_to_be_so_and_stays_most_as_it_was(attempts):
-    best, _ = attempts(decoded(LONGER), decoded(DRESS), tries=2)
-    assert (best.number, best.count, best.done) == (1, 2, False)
+def test_a_goal_never_achieved_is_reported_and_the_best_preserved_garment_returned(attempts):
+    best, _ = attempts(decoded(LONGER), decoded(DRESS), max_attempts=2)
+    assert (best.number, best.count, best.achieved) == (1, 2, False)
 
 
-def test_what_geometry_cannot_tell_is_tried_once_and_pushed_as_usual(monkeypatch):
-    monkeypatch.setattr("garmentimage.text_edit.best_of.parse_goal", lambda text: None)
+def test_a_goal_that_geometry_cannot_check_gets_one_attempt_without_boost(monkeypatch):
+    monkeypatch.setattr("garmentimage.text_edit.attempts.parse_goal", lambda text: None)
     seen = []
 
-    def attempt(further, touched):
-        assert touched is None
-        seen.append(further)
+    def attempt(boost, region):
+        assert region is None
+        seen.append(boost)
         return decoded(GOOD)
 
     best = best_attempt(DRESS, "V-neck", attempt, MAX_ATTEMPTS)
-    assert (best.count, best.done) == (1, None)
+    assert (best.count, best.achieved) == (1, None)
     assert seen == [1.0]
