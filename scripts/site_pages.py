@@ -93,10 +93,32 @@ def _absolute(module: str, node: ast.ImportFrom) -> str:
 
 
 def definition(module: str, name: str) -> str:
-    """Dotted path of the module-level definition behind a public name, through all packages."""
+    """Dotted path of the module-level definition behind a public name, through all imports."""
     path = sources()[module][name]
     owner, _, last = path.rpartition(".")
-    return definition(owner, last) if last in sources().get(owner, {}) else path
+    if last in sources().get(owner, {}):
+        return definition(owner, last)
+    origin = _imported(owner).get(last)
+    if origin is None:
+        return path
+    owner, _, last = origin.rpartition(".")
+    return definition(owner, last) if last in sources().get(owner, {}) else origin
+
+
+@cache
+def _imported(module: str) -> dict[str, str]:
+    """Names that a module imports from this project, and from where."""
+    return {
+        alias.asname or alias.name: f"{node.module}.{alias.name}"
+        for node in ast.parse(_file_of(module).read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE)
+        for alias in node.names
+    }
+
+
+def _file_of(module: str) -> Path:
+    path = SOURCE / module.replace(".", "/")
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
 def page_of(room: Room) -> str:
@@ -129,9 +151,7 @@ class Constant:
 @cache
 def constants(module: str) -> dict[str, Constant]:
     """Constants and aliases that a module defines, by name."""
-    path = SOURCE / module.replace(".", "/")
-    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    body = ast.parse(file.read_text(encoding="utf-8")).body
+    body = ast.parse(_file_of(module).read_text(encoding="utf-8")).body
     found = {}
     for node, after in zip(body, [*body[1:], None], strict=True):
         if isinstance(node, ast.Assign):
