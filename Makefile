@@ -2,10 +2,14 @@
 # make test    all tests that need no pattern files by others: some minutes
 # make golden  the golden files of the tests, written anew: look at the difference
 # make check   format, lint, types, quick tests: before every commit
+# make coverage  line coverage of these tests, at least 90 %: htmlcov/index.html
+# make docs    the documentation site, without the net, warnings are errors: site/index.html
+# make dist    wheel and source distribution in dist/, tried in an empty environment
 # make check-kernels  compiled code on degenerate patterns, its array bounds checked: some minutes
 # make corpus  the tests on pattern files by others, where ../shared or GARMENTIMAGE_CORPUS has them
-# make picture the pictures in the README
-# make explore networks of docs/benchmarks/latent-space.md, trained anew and measured: about 5 hours on two cores
+# make picture the pictures of README and site, drawn anew
+# make explore networks of docs/benchmarks/latent-space.md, trained anew and measured: about 5 hours
+#              on two cores
 # make image   networks of docs/benchmarks/prediction.md, likewise: about a day
 # make text    networks of docs/benchmarks/text-editing.md, likewise; SHORT=yes: an hour and a half
 # make bench   encode, decode, import and start, timed on one core
@@ -19,7 +23,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c c
 WORKERS ?= 2
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
-.PHONY: demo test golden check check-kernels lint corpus picture explore image text bench clean
+.PHONY: demo test golden check check-kernels coverage docs dist lint corpus picture explore image text bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
@@ -45,6 +49,18 @@ check-kernels: $(VENV)/ready-dev
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python -m pytest \
 		-m "not slow and not corpus" $(KERNEL_TESTS)
 
+coverage: $(VENV)/ready-dev
+	$(PYTEST) -m "not corpus" --cov --cov-report=term:skip-covered --cov-report=html
+
+docs: $(VENV)/ready-docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+dist: $(VENV)/ready
+	$(INSTALL) build
+	rm -rf dist build
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/python scripts/try_wheel.py dist
+
 corpus: $(VENV)/ready-dev
 	$(PYTEST) -m corpus
 
@@ -53,6 +69,7 @@ picture: $(VENV)/ready
 		-o docs/images/pattern-raster-pattern.png
 	$(BIN)/garmentimage gallery -o docs/images/gallery.png
 	$(BIN)/python scripts/draw_worn.py docs/images/worn.png
+	$(BIN)/python scripts/draw_algorithms.py docs/images
 	mkdir -p out && for kind in one-panel-jumpsuit top-pants one-panel-dress; do \
 		$(BIN)/garmentimage draft $$kind -o out/$$kind.json; done
 	$(BIN)/garmentimage transfer out/one-panel-jumpsuit.json out/top-pants.json \
@@ -86,7 +103,7 @@ bench: $(VENV)/ready
 	$(BIN)/python benchmarks/speed.py
 
 clean:
-	rm -rf $(VENV) out
+	rm -rf $(VENV) out site dist build htmlcov .coverage
 
 # One environment for all of it; made again when a dependency changes.
 $(VENV)/made:
@@ -103,4 +120,8 @@ $(VENV)/ready: $(VENV)/made pyproject.toml constraints.txt
 
 $(VENV)/ready-dev: $(VENV)/ready
 	$(INSTALL) -e ".[dev]"
+	touch $@
+
+$(VENV)/ready-docs: $(VENV)/ready
+	$(INSTALL) -e ".[docs]"
 	touch $@

@@ -359,3 +359,16 @@ def on_page_markdown(markdown, page, **_):
     if page.file.src_uri.startswith("benchmarks/"):
         return markdown.replace("](../../benchmarks/results/", "](results/")
     return markdown.replace("](../../benchmarks/results/", "](../benchmarks/results/")
+
+
+def on_post_build(config):
+    """Refuse pages that would load anything from the net when they are viewed."""
+    from mkdocs.exceptions import PluginError
+
+    loads = re.compile(r"<(?:script|img|iframe|source)[^>]+src=[\"']?(?:https?:)?//[^>]+>")
+    styles = re.compile(r"<link[^>]+rel=[\"']?(?:stylesheet|preconnect)[^>]+(?:https?:)?//[^>]+>")
+    for page in sorted(Path(config.site_dir).rglob("*.html")):
+        text = page.read_text(encoding="utf-8")
+        found = loads.search(text) or styles.search(text)
+        if found:
+            raise PluginError(f"{page} loads something from the net: {found.group(0)}")

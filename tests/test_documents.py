@@ -42,7 +42,7 @@ DRAPE = (DOCS / "how-to" / "drape.md").read_text(encoding="utf-8")
 FORMATS = (DOCS / "reference" / "formats.md").read_text(encoding="utf-8")
 
 LANGUAGES = {"sh", "bash", "python", "json", "text"}
-"""Of code blocks: `sh` and `python` are run, of `bash` names of commands and options are checked."""
+"""Of code blocks: `sh` and `python` are run; of `bash` commands and options are only looked up."""
 GENERATED = ("reference/python/", "reference/commands.md", "benchmarks/results/")
 """Pages that exist only while the site is built (scripts/site_pages.py)."""
 MAX_README_WORDS = 700
