@@ -185,7 +185,7 @@ def _add_panels(builder: Any, cloth: Cloth, fabric: Fabric) -> None:
         particle_radius=fabric.thickness * CM,
     )
     order = np.argsort(cloth.vertex, kind="stable")
-    for a, b in zip(order[:-1].tolist(), order[1:].tolist()):
+    for a, b in zip(order[:-1].tolist(), order[1:].tolist(), strict=True):
         if cloth.vertex[a] == cloth.vertex[b]:
             builder.add_spring(a, b, SEAM_STIFFNESS, 0.0, 0.0)
             builder.spring_rest_length[-1] = 0.0

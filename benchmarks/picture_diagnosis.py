@@ -162,7 +162,7 @@ def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
     told: dict[str, Any] = {"garments": len(truths), "by weight": {}}
     for weight in WEIGHTS:
         found = []
-        for channels, truth in zip(given, truths):
+        for channels, truth in zip(given, truths, strict=True):
             step = step_of(np.zeros(0, np.float32), freed(channels, weight), "full")
             found.append(likeness(truth, step.pattern).figures())
         told["by weight"][f"{weight:g}"] = {
@@ -170,7 +170,12 @@ def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
                 **asdict(interval([each[key] for each in found])),
                 "by type": {
                     name: round(
-                        float(np.mean([f[key] for f, t in zip(found, types) if t == name])), 4
+                        float(
+                            np.mean(
+                                [f[key] for f, t in zip(found, types, strict=True) if t == name]
+                            )
+                        ),
+                        4,
                     )
                     for name in sorted(set(types))
                 },

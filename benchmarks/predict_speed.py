@@ -67,7 +67,7 @@ def timed(network: PatternPredictor, data: Path, count: int) -> dict[str, dict[s
             done = time.perf_counter()
             if number:  # the first one compiles
                 for name, seconds in zip(
-                    times, (read - began, seen - read, done - seen, done - began)
+                    times, (read - began, seen - read, done - seen, done - began), strict=True
                 ):
                     times[name].append(1000 * seconds)
     return {

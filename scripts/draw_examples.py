@@ -63,7 +63,7 @@ def line(name: str, *points: Point) -> list[Named]:
     """Straight edges through the points; more than one get the name with a number."""
     pairs = list(pairwise(points))
     names = [name] if len(pairs) == 1 else [f"{name}_{k}" for k in range(len(pairs))]
-    return [Named(n, Line(a, b)) for n, (a, b) in zip(names, pairs)]
+    return [Named(n, Line(a, b)) for n, (a, b) in zip(names, pairs, strict=True)]
 
 
 def curve(name: str, start: Point, first: Point, second: Point, end: Point) -> list[Named]:
@@ -115,7 +115,7 @@ def draw(
 ) -> Drawn:
     """A panel from a closed chain of named curves."""
     curves = [n.curve for n in chain]
-    for before, after in zip([curves[-1], *curves], curves):
+    for before, after in zip([curves[-1], *curves], curves, strict=False):
         assert before.end == after.start, (name, before.end, after.start)
     outline = loop_from_curves(curves)
     panel = Panel(name, outline, translation=translation, rotation=rotation, label=label)
@@ -261,7 +261,7 @@ def darted_hem(corner: Point, dart_x: float, width: float, tip: float) -> list[N
     x, y = corner
     points = [(-x, y), *dart_at(-dart_x, width, y, tip), *dart_at(dart_x, width, y, tip), (x, y)]
     names = ["hem_0", "dart_0", "dart_1", "hem_1", "dart_2", "dart_3", "hem_2"]
-    return [Named(n, Line(a, b)) for n, a, b in zip(names, points, points[1:])]
+    return [Named(n, Line(a, b)) for n, a, b in zip(names, points, points[1:], strict=False)]
 
 
 def darted_shirt() -> Pattern:
@@ -349,7 +349,7 @@ def leg_back() -> list[Named]:
         *line("hem", hem_in, hem_out),
         *curve("outseam", hem_out, (21.5, -45.0), (25.8, -14.0), hip),
         *curve("hip", hip, (25.4, 13.0), (24.0, 19.0), waist),
-        *(Named(n, Line(a, b)) for n, a, b in zip(names, points, points[1:])),
+        *(Named(n, Line(a, b)) for n, a, b in zip(names, points, points[1:], strict=False)),
         *line("centre", centre, curve_top),
         *curve("crotch", curve_top, (-0.2, 3.2), (-2.8, crotch_height + 0.4), crotch),
         Named("inseam", inseam(crotch_height)),

@@ -109,7 +109,7 @@ def pictures(one: Outfit) -> list[UInt8[np.ndarray, "row col 3"]]:
 def main(out: Path) -> None:
     """Draw all outfits: a row of fronts, and below it their backs."""
     made = [pictures(one) for one in OUTFITS]
-    fronts, backs = zip(*made)
+    fronts, backs = zip(*made, strict=True)
     labels = [one.label for one in OUTFITS] + [""] * len(OUTFITS)
     gi.save_png(out, contact_sheet([*fronts, *backs], labels, columns=len(OUTFITS)))
 

@@ -239,7 +239,13 @@ def _points(body: Body) -> np.ndarray:
 def _rounded(body: Body, shipped: np.ndarray, names: list[str]) -> Body:
     """The body as it will be loaded, so that the shipped measurements are exactly its own."""
     points, skin = read_points(shipped), len(body.vertices)
-    return Body(points[:skin], body.faces, body.name, body.pose, dict(zip(names, points[skin:])))
+    return Body(
+        points[:skin],
+        body.faces,
+        body.name,
+        body.pose,
+        dict(zip(names, points[skin:], strict=True)),
+    )
 
 
 def _check_watertight(faces: np.ndarray) -> None:
@@ -271,7 +277,7 @@ def picture(path: Path) -> None:
     figure, places = plt.subplots(
         1, len(BODIES), figsize=(PICTURE_WIDTH * len(BODIES), 3.5), sharey=True
     )
-    for axes, name in zip(places, BODIES):
+    for axes, name in zip(places, BODIES, strict=True):
         _draw(axes, load_body(name, "a"))
     places[0].set_ylabel("cm")
     figure.tight_layout(pad=0.4)

@@ -290,7 +290,7 @@ def garment(design: Design) -> Pattern:
                 stitches += [Stitch(pair[0].side(n), pair[1].side(n)) for n in ("top", "underarm")]
                 stitches += [
                     Stitch(sleeve.side("cap"), body.side(f"{side}_armhole"))
-                    for sleeve, body in zip(pair, (front, back))
+                    for sleeve, body in zip(pair, (front, back), strict=True)
                 ]
                 pieces += pair
     width = design.left.waist + design.right.waist

@@ -79,7 +79,7 @@ def two_panels(points, ratio=1.0):
 
     def panel(name, outline, z, turn):
         corners = [tuple(map(float, p)) for p in outline]
-        lines = [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1])]
+        lines = [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
         return Panel(name, loop_from_curves(lines), (), (0.0, 100.0, z), (0.0, turn, 0.0))
 
     points = np.array(points, float)

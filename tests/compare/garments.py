@@ -230,10 +230,10 @@ def transformed_panel(pattern, name, matrix):
 
     def moved(loop):
         curves = [_transformed(c, np.asarray(matrix, float)) for c in loop.curves]
-        ends = {e.start: c.start for e, c in zip(loop.edges, curves)}
+        ends = {e.start: c.start for e, c in zip(loop.edges, curves, strict=True)}
         edges = tuple(
             Edge(e.start, e.end, curvature_of(c), e.label, e.extra)
-            for e, c in zip(loop.edges, curves)
+            for e, c in zip(loop.edges, curves, strict=True)
         )
         used = tuple(ends.get(k, v) for k, v in enumerate(loop.vertices))
         return Loop(used, edges)

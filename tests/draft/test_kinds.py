@@ -175,7 +175,7 @@ def test_larger_measurements_give_larger_panels(kind):
     larger = replace(body, **{f.name: 1.05 * getattr(body, f.name) for f in fields(body)})
     small, large = draft_pattern(kind, body), draft_pattern(kind, larger)
     assert [p.name for p in small.panels] == [p.name for p in large.panels]
-    for a, b in zip(small.panels, large.panels):
+    for a, b in zip(small.panels, large.panels, strict=True):
         assert b.outline.area > a.outline.area
 
 

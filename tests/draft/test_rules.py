@@ -20,7 +20,7 @@ def panel(*corners, holes=()):
 def diamond(size):
     corners = ((5 - size, 5.0), (5.0, 5 + size), (5 + size, 5.0), (5.0, 5 - size))
     ends = (*corners[1:], corners[0])
-    return loop_from_curves([Bezier(a, (b,), b) for a, b in zip(corners, ends)])
+    return loop_from_curves([Bezier(a, (b,), b) for a, b in zip(corners, ends, strict=True)])
 
 
 def test_a_simple_panel_can_be_cut():

@@ -41,7 +41,7 @@ def test_workers_change_nothing(source):
 def test_fixed_parameters_are_not_drawn_and_the_others_are_drawn_as_without():
     free = [record for record, _ in records("tank", 5, 3)]
     fixed = [record for record, _ in records("tank", 5, 3, fixed={"neckline": "v"})]
-    for one, other in zip(free, fixed):
+    for one, other in zip(free, fixed, strict=True):
         if not one["rejected"] and not other["rejected"]:
             assert one["parameters"] | {"neckline": "v"} == other["parameters"]
     assert {record["parameters"]["neckline"] for record in fixed} == {"v"}

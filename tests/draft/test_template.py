@@ -45,7 +45,7 @@ def controls(panel):
     """Control point of each curved edge [cm], by the edge's ends."""
     return {
         (e.start, e.end): c.controls[0]
-        for e, c in zip(panel.outline.edges, panel.outline.curves)
+        for e, c in zip(panel.outline.edges, panel.outline.curves, strict=True)
         if isinstance(e.curvature, Quadratic)
     }
 

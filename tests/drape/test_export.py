@@ -50,7 +50,7 @@ def worn(request):
 def renamed(worn, names):
     """The same garment with other names for its panels."""
     old = [panel.name for panel in worn.cloth.pattern.panels]
-    new = dict(zip(old, [*names, *old[len(names) :]]))
+    new = dict(zip(old, [*names, *old[len(names) :]], strict=True))
     pattern = worn.cloth.pattern
     sides = {replace(s, panel=new[s.panel]): c for s, c in worn.cloth.sides.items()}
     stitches = tuple(

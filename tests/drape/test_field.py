@@ -32,7 +32,9 @@ def cube_field():
 
 
 def nodes(field):
-    ticks = [o + field.cell * np.arange(n) for o, n in zip(field.origin, field.values.shape)]
+    ticks = [
+        o + field.cell * np.arange(n) for o, n in zip(field.origin, field.values.shape, strict=True)
+    ]
     return np.stack(np.meshgrid(*ticks, indexing="ij"), axis=-1)
 
 

@@ -134,7 +134,7 @@ def one_strap() -> Pattern:
         low = y[np.argmax(np.abs(x))]
         vertices = tuple(
             (float(a), float(min(b, low + 2.0)) if side * a > 2.0 else float(b))
-            for a, b in zip(x, y)
+            for a, b in zip(x, y, strict=True)
         )
         straight = tuple(
             replace(e, curvature=None) if side * vertices[e.start][0] > 2.0 else e

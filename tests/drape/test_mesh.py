@@ -275,7 +275,7 @@ def test_a_gathered_edge_is_as_long_as_its_shorter_side():
     cloth = mesh(pattern, vertices=FEW)
     rest = rest_of(cloth)
     corners = cloth.sides[Side("band", 0)]
-    length = {tuple(e): x for e, x in zip(rest.edges.tolist(), rest.length.tolist())}
+    length = {tuple(e): x for e, x in zip(rest.edges.tolist(), rest.length.tolist(), strict=True)}
     for i, j in pairwise(corners.tolist()):
         own = hypot(*(cloth.flat[i] - cloth.flat[j]))
         assert length[tuple(sorted(cloth.vertex[[i, j]].tolist()))] == pytest.approx(own)
@@ -297,7 +297,7 @@ def test_a_part_of_a_cloth_is_the_cloth_of_that_part():
 
 def ring(name, count):
     turn = 2 * np.pi * np.arange(count) / count
-    corners = tuple(zip((30 * np.cos(turn)).tolist(), (30 * np.sin(turn)).tolist()))
+    corners = tuple(zip((30 * np.cos(turn)).tolist(), (30 * np.sin(turn)).tolist(), strict=True))
     return Panel(name, Loop(corners, tuple(Edge(k, (k + 1) % count) for k in range(count))))
 
 

@@ -71,9 +71,9 @@ def tube_places(rows=5, columns=8):
 
 def test_neighbours_in_an_opening_are_joined_by_an_edge_of_the_cloth():
     faces, _, _ = tube()
-    edges = {frozenset(e) for f in faces.tolist() for e in zip(f, f[1:] + f[:1])}
+    edges = {frozenset(e) for f in faces.tolist() for e in zip(f, f[1:] + f[:1], strict=True)}
     for line in openings(faces):
-        pairs = zip(line.tolist(), np.roll(line, -1).tolist())
+        pairs = zip(line.tolist(), np.roll(line, -1).tolist(), strict=True)
         assert all(frozenset(pair) in edges for pair in pairs)
 
 
@@ -142,7 +142,7 @@ def test_an_arm_that_slips_out_of_its_ring_is_told():
     middle, axis = along(body, 0.6)
     line = ring(middle, axis, 9.0)
     before, after = (turns(x, bones(body)) for x in (line, line + np.array([0, 0, 25.0])))
-    changed = [limb for limb, a, b in zip(LIMBS, before, after) if a != b]
+    changed = [limb for limb, a, b in zip(LIMBS, before, after, strict=True) if a != b]
     assert changed == ["left arm"]
 
 

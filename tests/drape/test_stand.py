@@ -186,7 +186,7 @@ def test_front_and_back_get_the_body_between_them():
 def test_nothing_is_bent_and_nothing_moves_sideways():
     pattern = draft_pattern("hoodie")
     placed, (report,) = standing(pattern, load_body("tall-slim-male"))
-    for before, after in zip(pattern.panels, placed.panels):
+    for before, after in zip(pattern.panels, placed.panels, strict=True):
         assert after.outline == before.outline and after.rotation == before.rotation
         step = np.subtract(after.translation, before.translation)
         assert np.allclose(step, [0, report.lifted, report.forward])
@@ -196,7 +196,7 @@ def test_lengths_are_scaled_only_when_asked():
     body, pattern = load_body(), draft_pattern("tee")
     placed, (report,) = standing(pattern, body, made_for=np.ptp(body.vertices[:, 1]) * 1.25)
     assert report.scale == pytest.approx(0.8)
-    for before, after in zip(pattern.panels, placed.panels):
+    for before, after in zip(pattern.panels, placed.panels, strict=True):
         assert after.outline.area == pytest.approx(0.64 * before.outline.area)
         assert [c.length for c in after.curves] == pytest.approx(
             [0.8 * c.length for c in before.curves]

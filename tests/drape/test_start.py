@@ -31,7 +31,7 @@ def limbs_inside(pattern, body) -> set[str]:
     start, lines = start_points(cloth, body), bones(body)
     inside = set()
     for opening in openings(cloth.vertex_faces):
-        found = [limb for limb, n in zip(LIMBS, turns(start[opening], lines)) if n]
+        found = [limb for limb, n in zip(LIMBS, turns(start[opening], lines), strict=True) if n]
         inside |= set(found) if len(found) == 1 else set()
     return inside
 

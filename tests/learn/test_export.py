@@ -60,7 +60,7 @@ def test_weights_are_read_for_training_on(made):
     model, folder = made
     again = load_weights(GarmentVAE, folder)
     assert again.config == model.config
-    for ours, theirs in zip(model.parameters(), again.parameters()):
+    for ours, theirs in zip(model.parameters(), again.parameters(), strict=True):
         assert torch.allclose(ours, theirs, atol=1e-3) and theirs.dtype == torch.float32
 
 

@@ -96,7 +96,10 @@ def test_a_mirrored_raster_is_that_of_the_mirrored_garment(kind):
         raster = rasters_of(image)
         mirrored = raster.mirrored()
         twice = mirrored.mirrored()
-        assert all(torch.equal(a, b) for a, b in zip(vars(twice).values(), vars(raster).values()))
+        assert all(
+            torch.equal(a, b)
+            for a, b in zip(vars(twice).values(), vars(raster).values(), strict=True)
+        )
         found = decode(to_channels(sure(mirrored.inputs()))[0].numpy())
         there = decode(to_channels(sure(raster.inputs()))[0].numpy())
         assert match_panels(there, found, any_pose=True).mean_iou > 0.998

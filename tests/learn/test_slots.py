@@ -47,7 +47,7 @@ def test_what_is_said_without_error_is_the_garment():
         for panel in garment.panels:
             other = again.by_name[panel.name]
             corners = [np.array(each.outline.vertices) for each in (panel, other)]
-            placed = [each.to_world(c) for each, c in zip((panel, other), corners)]
+            placed = [each.to_world(c) for each, c in zip((panel, other), corners, strict=True)]
             assert np.allclose(placed[0], placed[1], atol=0.01)
 
 

@@ -48,7 +48,7 @@ def test_the_drawing_is_at_true_scale_in_mm(garment):
     root = drawing(garment)
     assert root.get("width").endswith("mm")
     assert root.get("viewBox") == f"0 0 {root.get('width')[:-2]} {root.get('height')[:-2]}"
-    for path, side in zip(paths(root), garment.sides()):
+    for path, side in zip(paths(root), garment.sides(), strict=True):
         start, end = ends(path)
         curve = garment.curve(side)
         chord = np.subtract(curve.end, curve.start)
@@ -58,7 +58,7 @@ def test_the_drawing_is_at_true_scale_in_mm(garment):
 @given(st.lists(st.tuples(st.floats(0.1, 200), st.floats(0.1, 200)), min_size=1, max_size=12))
 def test_panels_do_not_overlap_on_the_sheet(sizes):
     spots, width, height = lay_out(sizes)
-    boxes = [(s.x, s.y, s.x + w, s.y + h) for s, (w, h) in zip(spots, sizes)]
+    boxes = [(s.x, s.y, s.x + w, s.y + h) for s, (w, h) in zip(spots, sizes, strict=True)]
     for k, (x0, y0, x1, y1) in enumerate(boxes):
         assert x0 > 0
         assert y0 > 0

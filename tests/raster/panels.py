@@ -25,7 +25,7 @@ def rectangle(name, width, height, place, rotation=(0.0, 0.0, 0.0), holes=()):
 
 def _loop(points):
     ends = [*points[1:], points[0]]
-    return loop_from_curves([Line(a, b) for a, b in zip(points, ends)])
+    return loop_from_curves([Line(a, b) for a, b in zip(points, ends, strict=True)])
 
 
 def stitch(a, i, b, j, *, same_direction=False):

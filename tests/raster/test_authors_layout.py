@@ -26,7 +26,7 @@ def panels_by_the_layout(array):
     for layer in (array[:17], array[17:]):
         inside = layer[FLAG] > 0.5
         seen = np.zeros_like(inside)
-        for x, y in zip(*np.nonzero(inside)):
+        for x, y in zip(*np.nonzero(inside), strict=True):
             if not seen[x, y]:
                 panels.append(_panel(layer, inside, seen, int(x), int(y)))
     return panels

@@ -118,7 +118,7 @@ def test_boundary_vectors_are_as_long_as_the_chords_of_the_panel(garment):
 
 def _square(name: str, x: float, y: float, z: float, size: float = 30.0) -> Panel:
     points = [(0.0, 0.0), (size, 0.0), (size, size), (0.0, size)]
-    lines = [Line(a, b) for a, b in zip(points, points[1:] + points[:1])]
+    lines = [Line(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
     return Panel(name, loop_from_curves(lines), translation=(x, y, z))
 
 
@@ -138,7 +138,7 @@ def test_a_garment_that_is_too_crowded_says_which_grid_would_do():
     for k in range(count):
         width = 2.0
         points = [(0.0, 0.0), (width, 0.0), (width, 60.0), (0.0, 60.0)]
-        lines = [Line(a, b) for a, b in zip(points, points[1:] + points[:1])]
+        lines = [Line(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
         strips.append(
             Panel(
                 f"strip {k}",
@@ -161,7 +161,7 @@ def test_seams_that_cross_when_laid_flat_are_named_by_their_panels():
     """Two cuffs sewn crosswise to two sleeves that hang beside each other."""
     names = ("left", "right", "under left", "under right")
     places = ((-30.0, 100.0), (10.0, 100.0), (-30.0, 70.0), (10.0, 70.0))
-    squares = [_square(name, x, y, 20.0) for name, (x, y) in zip(names, places)]
+    squares = [_square(name, x, y, 20.0) for name, (x, y) in zip(names, places, strict=True)]
     x, y, z = squares[0].translation
     squares[0] = replace(squares[0], translation=(x, y, z + 5.0))
     crosswise = tuple(
@@ -224,7 +224,9 @@ def test_a_hole_sewn_up_by_itself_comes_back_as_a_slit():
     front = dress.panels[0]
     x, y = front.outline.polygon.mean(axis=0).tolist()
     points = [(x, y - 8.0), (x + 1.5, y), (x, y + 8.0), (x - 1.5, y)]
-    hole = loop_from_curves([Line(b, a) for a, b in zip(points, points[1:] + points[:1])][::-1])
+    hole = loop_from_curves(
+        [Line(b, a) for a, b in zip(points, points[1:] + points[:1], strict=True)][::-1]
+    )
     first = len(front.edges)
     fish_eye = replace(
         dress,

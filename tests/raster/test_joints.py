@@ -89,7 +89,7 @@ def test_corners_seam_ends_and_the_tips_of_darts_stay():
         (panel.name, *curve.start)
         for panel in shirt.panels
         for loop in panel.loops
-        for before, curve in zip(loop.curves[-1:] + loop.curves, loop.curves)
+        for before, curve in zip(loop.curves[-1:] + loop.curves, loop.curves, strict=False)
         if turn(before, curve) > np.deg2rad(20)
     }
     darts = {(panel.name, *apex) for panel in shirt.panels for apex in apexes(shirt, panel)}
@@ -145,7 +145,9 @@ def test_where_a_seam_is_divided_unevenly_its_joints_stay():
 def circle(radius, count, *, begin=0):
     angles = 2 * np.pi * (np.arange(count) + begin) / count
     points = [(float(radius * np.cos(a)), float(radius * np.sin(a))) for a in angles]
-    return loop_from_curves([Line(a, b) for a, b in zip(points, points[1:] + points[:1])])
+    return loop_from_curves(
+        [Line(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
+    )
 
 
 def test_a_traced_circle_keeps_two_vertices_wherever_it_begins():

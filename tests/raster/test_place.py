@@ -46,7 +46,7 @@ def test_placing_is_rigid(garment):
     for placed in place(garment).panels:
         source = garment.by_name[placed.source]
         assert np.allclose(placed.matrix @ placed.matrix.T, np.eye(2))
-        for curve, own in zip(placed.curves, source.curves):
+        for curve, own in zip(placed.curves, source.curves, strict=True):
             ends = np.array([own.start, own.end]) @ placed.matrix.T + placed.offset
             assert np.allclose(curve[[0, -1]], ends)
 
@@ -78,7 +78,7 @@ def test_edges_of_a_panel_meet_at_nodes(garment):
     graph = build_seam_graph(place(garment))
     for i, panel in enumerate(graph.placed.panels):
         for loop in panel.loops:
-            for k, following in zip(loop, (*loop[1:], loop[0])):
+            for k, following in zip(loop, (*loop[1:], loop[0]), strict=True):
                 ends = []
                 for edge, last in ((k, True), (following, False)):
                     arc, back = graph.owner[i, edge]
@@ -97,7 +97,7 @@ def test_a_garment_round_the_pelvis_is_lifted_to_the_floor():
     )
     assert floor_shift(standing) == 0
     assert floor_shift(hanging) == PELVIS_HEIGHT
-    for a, b in zip(place(standing).panels, place(hanging).panels):
+    for a, b in zip(place(standing).panels, place(hanging).panels, strict=True):
         assert np.allclose(a.outline, b.outline)
 
 

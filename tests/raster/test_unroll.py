@@ -91,7 +91,7 @@ def test_a_bodice_with_a_wide_neckline_rests_as_it_was_cut():
     """Its shoulders are short beside its depth: a bay in the outline, not a ring."""
     neck = Arc((10.0, 60.0), (-10.0, 60.0), 10.5, False, False)
     points = [(-25.0, 0.0), (25.0, 0.0), (22.0, 58.0), (10.0, 60.0), (-10.0, 60.0), (-22.0, 58.0)]
-    curves = [Line(a, b) for a, b in zip(points, [*points[1:], points[0]])]
+    curves = [Line(a, b) for a, b in zip(points, [*points[1:], points[0]], strict=True)]
     curves[3] = neck
     bodice = Panel("bodice", loop_from_curves(curves), translation=(0.0, 85.0, 15.0))
     back = Panel("back", bodice.outline, translation=(0.0, 85.0, -15.0), rotation=BACK)

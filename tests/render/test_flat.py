@@ -100,7 +100,9 @@ def strip(name, count, z):
     from garmentimage.pattern.model import loop_from_curves
 
     corners = [(10.0 * k, 0.0) for k in range(count + 1)] + [(10.0 * count, 30.0), (0.0, 30.0)]
-    loop: Loop = loop_from_curves([Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1])])
+    loop: Loop = loop_from_curves(
+        [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    )
     return Panel(name, loop, translation=(0.0, 100.0, z))
 
 

@@ -55,7 +55,7 @@ def test_names_from_files_cannot_spoil_a_picture(tmp_path):
     """Signs that the font lacks, mathematics, markup and line breaks are only signs."""
     pattern = dress()
     odd = [*"\0\n\u202e", "$x^", "\N{GRINNING FACE}" * 90, "<b>&amp;\ud800", *"abcdefgh"]
-    panels = [replace(p, name=f"{n}") for p, n in zip(pattern.panels, odd)]
+    panels = [replace(p, name=f"{n}") for p, n in zip(pattern.panels, odd, strict=False)]
     show(replace(pattern, panels=tuple(panels), stitches=()), out=tmp_path / "a.svg")
     root = ElementTree.parse(tmp_path / "a.svg").getroot()
     names = {element.tag.rpartition("}")[2] for element in root.iter()}

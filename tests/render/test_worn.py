@@ -362,7 +362,7 @@ def test_colours_and_prints_go_by_name_then_label_then_group():
     worn = skirt()
     chosen = {"front": "red", "cheerful": "blue", "bottom": "lime", "top": "black"}
     _, cloth = surfaces_of(worn, colours=chosen)
-    tints = {int(k): tuple(c) for k, c in zip(cloth.ids, cloth.colour.tolist())}
+    tints = {int(k): tuple(c) for k, c in zip(cloth.ids, cloth.colour.tolist(), strict=True)}
     assert tints == {1: (1, 0, 0), 2: (0, 1, 0), 3: (0, 0, 0)}
     del chosen["front"]
     _, cloth = surfaces_of(worn, colours=chosen)
