@@ -32,10 +32,10 @@ def main(folder: Path) -> int:
     with ProcessPoolExecutor(1) as other:
         found = other.submit(predict, folder)
         worn = {name: other.submit(wear, name, folder) for name in WORN}
-        told = io.StringIO()
-        with redirect_stdout(told):
+        printed = io.StringIO()
+        with redirect_stdout(printed):
             failed = encode_and_decode(folder)
-        print(found.result(), told.getvalue(), sep="\n")
+        print(found.result(), printed.getvalue(), sep="\n")
         for name, pictures in worn.items():
             draw_worn(name, pictures.result(), folder)
     print(
@@ -45,15 +45,15 @@ def main(folder: Path) -> int:
 
 
 def predict(folder: Path) -> str:
-    """The pattern of the garment in the bundled picture; what came of it."""
-    picture, told = example_picture(), io.StringIO()
-    with redirect_stdout(told):
+    """The pattern of the garment in the bundled picture; what was printed."""
+    picture, printed = example_picture(), io.StringIO()
+    with redirect_stdout(printed):
         failed = run(["predict", str(picture), "-o", str(folder)])
     if failed:
         raise SystemExit(failed)
     name = folder / picture.stem
     return (
-        f"\nFrom the picture {picture.name} to a pattern: {told.getvalue().strip()}\n"
+        f"\nFrom the picture {picture.name} to a pattern: {printed.getvalue().strip()}\n"
         f"  {name}.json  the pattern that the network found in the picture\n"
         f"  {name}.glb   that pattern, draped\n"
         f"  {name}.png   picture, pattern, GarmentImage and drape beside each other"
@@ -92,14 +92,14 @@ def encode_and_decode(folder: Path) -> int:
             f"(mean panel IoU {sum(result.iou.values()) / len(result.iou):.3f})\n"
             f"  {folder / name}.npz           the GarmentImage\n"
             f"  {folder / name}-decoded.json  the pattern in it, as GarmentCode writes it\n"
-            f"  {folder / name}.png           the way there and back, drawn"
+            f"  {folder / name}.png           the round trip, drawn"
         )
     return failed
 
 
 @dataclass(frozen=True)
 class WornPictures:
-    """What came of draping an example."""
+    """Photographs of a draped example, and whether it is at rest."""
 
     front: np.ndarray
     back: np.ndarray

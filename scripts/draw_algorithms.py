@@ -353,7 +353,7 @@ def decode_pictures(folder: Path) -> None:
     """Four steps from the image to the pattern."""
     image = gi.encode(gi.load_pattern(example_path("dress")), grid=GRID).without_marks()
     labels, count = label_panels(image.inside, image.edge_type)
-    figure, axes = two_layers("1. Cells that hang together are one panel")
+    figure, axes = two_layers("1. Connected cells are one panel")
     for layer, ax in enumerate(axes):
         board(ax)
         rows, cols = np.nonzero(labels[layer] >= 0)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Everything of docs/benchmarks/prediction.md: data, networks, and what is measured. Each step goes on where it was
-# stopped; two recipes, or two seeds, may be run beside each other.
+# Everything of docs/benchmarks/prediction.md: data, networks, and what is measured. An
+# interrupted step resumes; two recipes, or two seeds, may be run beside each other.
 #
 #     scripts/image.sh .venv/bin/garmentimage
 set -eu

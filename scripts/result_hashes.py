@@ -89,7 +89,7 @@ def _sources(folders: list[Path]) -> Iterator[Source]:
 
 def _of_pattern(source: Source, drape: bool) -> Hashes:
     """All hashes of one pattern."""
-    # Warnings tell of findings in files by others, which are not compared.
+    # Warnings report findings in files by others, which are not compared.
     warnings.simplefilter("ignore")
     if isinstance(source, Path):
         name = f"{source.parent.name}/{source.name}"

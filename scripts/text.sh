@@ -1,6 +1,6 @@
 #!/bin/sh
-# Everything of docs/benchmarks/text-editing.md: data, networks, the baseline, and what is measured. Each step goes on
-# where it was stopped. Words after the first go to `train`: --accelerator gpu.
+# Everything of docs/benchmarks/text-editing.md: data, networks, the baseline, and what is measured. An
+# interrupted step resumes. Words after the first go to `train`: --accelerator gpu.
 #
 #     scripts/text.sh .venv/bin/garmentimage
 #     SHORT=yes scripts/text.sh .venv/bin/garmentimage    # 40 to 75 minutes of training, no baseline
