@@ -38,9 +38,9 @@ from garmentimage.body.stance import stand_straight
 from garmentimage.draft.kinds import KINDS
 from garmentimage.draft.sampling import drafted
 from garmentimage.drape import draping as wear
+from garmentimage.drape.draped_garment import DrapedGarment
 from garmentimage.drape.fabric import load_fabric
-from garmentimage.drape.start.placement import standing
-from garmentimage.drape.worn import Worn
+from garmentimage.drape.start.placement import place_on_body
 from garmentimage.examples import example_names, example_path
 from garmentimage.pattern.files.spec import load_pattern, save_pattern
 from garmentimage.pattern.model import Pattern
@@ -142,7 +142,7 @@ def stages(pattern: Pattern, vertices: int) -> dict[str, float]:
     return taken | facts(worn)
 
 
-def facts(worn: Worn) -> dict[str, float]:
+def facts(worn: DrapedGarment) -> dict[str, float]:
     report = worn.report
     return {
         "vertices": worn.cloth.vertex_count,
@@ -227,7 +227,7 @@ def other_step(
 ) -> Callable[[], dict[str, float]]:
     body = stand_straight(load_body(BODY))
     path = folder / f"{pattern.name}.json"
-    save_pattern(standing(pattern, body)[0], path)
+    save_pattern(place_on_body(pattern, body)[0], path)
 
     def step() -> dict[str, float]:
         start = process_time()

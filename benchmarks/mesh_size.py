@@ -16,8 +16,8 @@ import numpy as np
 from provenance import provenance
 
 from garmentimage.draft.kinds import KINDS, draft_pattern
+from garmentimage.drape.draped_garment import DrapedGarment
 from garmentimage.drape.draping import drape_pattern
-from garmentimage.drape.worn import Worn
 from garmentimage.examples import example_names, example_path
 from garmentimage.pattern.files.spec import load_pattern
 from garmentimage.render.worn.photographing import body_camera, picture
@@ -29,7 +29,7 @@ MOST = 0.01
 """Half the edge length should change the area by less than this share."""
 
 
-def silhouette(worn: Worn, view: str) -> np.ndarray:
+def silhouette(worn: DrapedGarment, view: str) -> np.ndarray:
     return picture(surfaces_of(worn), body_camera(worn.body, view), size=SIZE).silhouette
 
 

@@ -27,7 +27,7 @@ from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.drape.mesh.rest import rest_of, strain
 from garmentimage.drape.solver.distance_field import body_field
 from garmentimage.drape.solver.solver import SolverSettings
-from garmentimage.drape.start.placement import standing
+from garmentimage.drape.start.placement import place_on_body
 from garmentimage.drape.start.starting import start_points
 from garmentimage.pattern.model import Pattern
 
@@ -78,7 +78,7 @@ def newton_drape(
     """Drape a garment that hangs from the shoulders with one of newton's solvers."""
     wp.config.log_level = wp.LOG_ERROR
     body = stand_straight(load_body(body_name))
-    cloth = mesh(standing(pattern, body)[0], vertices=vertices)
+    cloth = mesh(place_on_body(pattern, body)[0], vertices=vertices)
     with wp.ScopedDevice("cpu"):
         began = process_time()
         _run(cloth, body, fabric, 2, solver)

@@ -59,7 +59,7 @@ def main() -> None:
         args.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
 
 
-def turned(worn: gi.Worn, degrees: float) -> np.ndarray:
+def turned(worn: gi.DrapedGarment, degrees: float) -> np.ndarray:
     """A plain picture from another side."""
     look = gi.Look()
     surfaces = surfaces_of(worn, skin=look.skin, colours=look.colours, prints=look.prints)

@@ -109,7 +109,7 @@ class WornPictures:
 def wear(name: str, folder: Path) -> WornPictures:
     """Drape a bundled pattern, save it and photograph it."""
     worn = gi.drape_pattern(gi.load_pattern(example_path(name)))
-    gi.save_worn(folder / f"{name}.glb", worn)
+    gi.save_drape(folder / f"{name}.glb", worn)
     cut = int(SIDE_SHARE * PICTURE)
     front, back = (
         gi.photograph(worn, view=view, size=PICTURE).colour[:, cut:-cut]

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 import garmentimage as gi
 from garmentimage.drape.mesh import mesh
 from garmentimage.drape.solver import Settings
-from garmentimage.drape.start import standing, start_points
+from garmentimage.drape.start import place_on_body, start_points
 from garmentimage.examples import example_path
 from garmentimage.pattern import Pattern, without_stubs
 from garmentimage.raster import BodyFrame, EdgeType, GarmentImage
@@ -496,7 +496,7 @@ def drape_pictures(folder: Path) -> None:
     """Four steps from the pattern to the garment at rest."""
     pattern = without_stubs(gi.load_pattern(example_path("dress")))
     worn = gi.drape_pattern(pattern)
-    placed, standings = standing(pattern, worn.body, made_for=None)
+    placed, standings = place_on_body(pattern, worn.body, made_for=None)
     cloth = mesh(placed, vertices=2000)
     flat = np.concatenate(
         [placed.panels[k].to_world(cloth.flat[cloth.panel == k]) for k in range(len(placed.panels))]
@@ -519,7 +519,7 @@ def drape_pictures(folder: Path) -> None:
     save(_triangles(cloth), folder / "drape-2-mesh.png")
 
 
-def _photographs(title: str, worn: gi.Worn) -> Figure:
+def _photographs(title: str, worn: gi.DrapedGarment) -> Figure:
     figure = Figure(figsize=(8.6, 4.6), facecolor=PAPER)
     for k, view in enumerate(("front", "turned")):
         picture: UInt8[np.ndarray, "row col 3"] = gi.photograph(

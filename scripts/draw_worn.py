@@ -95,7 +95,7 @@ def pictures(one: Outfit) -> list[UInt8[np.ndarray, "row col 3"]]:
     body = wearer(one.body)
     garments = [gi.draft_pattern(kind, one.body, **given) for kind, given in one.kinds.items()]
     worn = gi.drape_pattern(outfit(garments, body), body, vertices=VERTICES * len(garments))
-    gi.check_worn(worn)
+    gi.check_drape(worn)
     look = gi.Look(
         skin=one.skin, colours=one.colours, prints=one.prints, background=BACKDROP, elevation=0.05
     )

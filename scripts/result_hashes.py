@@ -146,7 +146,7 @@ def _digest(value: object) -> str:
             digest.update(Path(folder, "pattern.json").read_bytes())
     elif isinstance(value, gi.GarmentImage):
         digest.update(np.ascontiguousarray(value.to_channels()).tobytes())
-    elif isinstance(value, gi.Worn):
+    elif isinstance(value, gi.DrapedGarment):
         digest.update(np.ascontiguousarray(value.points).tobytes())
         digest.update(f"{len(value.report.faults)} faults".encode())
     else:

@@ -17,7 +17,7 @@ import pytest
 from garmentimage import decode, load_image
 from garmentimage.cli.app import main
 from garmentimage.compare.judging import judge
-from garmentimage.drape.files.glb import load_worn
+from garmentimage.drape.files.glb import load_drape
 from garmentimage.drape.girths import girth
 from garmentimage.drape.mesh.rest import rest_of
 from garmentimage.drape.solver.distance_field import body_field
@@ -253,7 +253,7 @@ def test_a_perfect_decode_is_like_its_truth(name, faults, tmp_path):
 
 def assert_worn(glb, place):
     """Judge where the cloth of a written drape lies, from its vertices and the body's landmarks."""
-    worn = load_worn(glb)
+    worn = load_drape(glb)
     marks, points = worn.body.landmarks, worn.points
     waist, neck = marks["waist_front"][1], marks["left_neck_point"][1]
     shoulder = marks["left_shoulder_joint"][1]

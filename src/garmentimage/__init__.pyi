@@ -16,15 +16,15 @@ from .draft.templates import (
     Template as Template,
 )
 from .drape import (
+    DrapedGarment as DrapedGarment,
     Fabric as Fabric,
-    Worn as Worn,
-    check_worn as check_worn,
+    check_drape as check_drape,
     drape_pattern as drape_pattern,
     outfit as outfit,
 )
 from .drape.files import (
-    load_worn as load_worn,
-    save_worn as save_worn,
+    load_drape as load_drape,
+    save_drape as save_drape,
 )
 from .errors import (
     DatasetError as DatasetError,

@@ -7,7 +7,7 @@ from garmentimage.body.body import load_body
 from garmentimage.body.body_measurements import presets
 from garmentimage.body.mend import capped, parts, welded
 from garmentimage.body.mesh_file import load_body_file
-from garmentimage.drape.solver.distance_field import body_field, distance_field
+from garmentimage.drape.solver.distance_field import body_field, surface_distance
 from garmentimage.errors import DraftError
 from tests.corpus import unpacked
 
@@ -192,7 +192,7 @@ def test_lips_that_lie_on_each_other_leave_no_hole_inside():
     corners = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = np.array([f for a, b, c, d in corners for f in ((a, b, c), (a, c, d))])
     above = box + np.array([0, 9, 0])
-    touching = distance_field(np.vstack([box, above]), np.vstack([faces, faces + 8]))
+    touching = surface_distance(np.vstack([box, above]), np.vstack([faces, faces + 8]))
     inside = touching.at(np.array([[4.5, 4.5, 4.5], [4.5, 13.5, 4.5], [4.5, 22.5, 4.5]])) < 0
     assert inside.tolist() == [True, True, False]
 

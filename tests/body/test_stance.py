@@ -6,7 +6,7 @@ import pytest
 from garmentimage.body.body import Body, load_body
 from garmentimage.body.body_measurements import presets
 from garmentimage.body.stance import WORN_LEG_ANGLE, stand_straight
-from garmentimage.drape.solver.distance_field import distance_field
+from garmentimage.drape.solver.distance_field import surface_distance
 
 
 @pytest.fixture(params=presets())
@@ -53,7 +53,7 @@ def test_a_body_that_stands_straight_stays_as_it_is(body):
 @pytest.mark.slow
 def test_the_inside_of_a_leg_stays_inside():
     straight = stand_straight(load_body("mean-female"))
-    field = distance_field(straight.vertices, straight.faces)
+    field = surface_distance(straight.vertices, straight.faces)
     hip, ankle = straight.landmarks["left_hip_joint"], straight.landmarks["left_ankle_joint"]
     line = hip + np.linspace(0.1, 0.95, 30)[:, None] * (ankle - hip)
     assert field.at(line).max() < 0

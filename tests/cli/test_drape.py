@@ -10,12 +10,12 @@ from PIL import Image
 import garmentimage as gi
 from garmentimage.body.body import load_body
 from garmentimage.cli.app import main
+from garmentimage.drape.draped_garment import DrapeReport
 from garmentimage.drape.outfits import outfit
-from garmentimage.drape.worn import DrapeReport
 from garmentimage.errors import DrapeError
 from garmentimage.examples import example_path
 from garmentimage.pattern.files.spec import read_pattern
-from garmentimage.render.worn.maps import MOST_PANELS, panel_numbers
+from garmentimage.render.worn.maps import MAX_PANELS, panel_numbers
 
 DRESS = example_path("dress")
 TROUSERS = example_path("trousers")
@@ -90,14 +90,14 @@ def test_an_image_is_decoded_and_draped(capsys, tmp_path):
     assert main(["encode", str(TROUSERS), "-o", str(image)]) == 0
     code, _, _ = run(capsys, "drape", image, *FEW, "-o", tmp_path / "a.glb")
     assert code == 0
-    assert len(gi.load_worn(tmp_path / "a.glb").cloth.pattern.panels) == 6
+    assert len(gi.load_drape(tmp_path / "a.glb").cloth.pattern.panels) == 6
 
 
 def test_garments_worn_together_keep_their_panels_and_stitches(capsys, tmp_path):
     out = tmp_path / "a.glb"
     top = example_path("cutout_top")
     assert run(capsys, "drape", top, TROUSERS, "--vertices", 800, "-o", out)[0] == 0
-    worn = gi.load_worn(out)
+    worn = gi.load_drape(out)
     alone = [gi.load_pattern(path) for path in (top, TROUSERS)]
     assert worn.report.items == 2
     assert len(worn.cloth.pattern.panels) == sum(len(p.panels) for p in alone)
@@ -121,7 +121,7 @@ def test_maps_tell_the_same_view_as_the_picture(capsys, tmp_path, glb):
     words = [w for name in names for w in (f"--{name}", tmp_path / f"{name}.png")]
     assert run(capsys, "render", glb, "-o", tmp_path / "a.png", "--size", 96, *words)[0] == 0
     depth, normal, panels, cloth = (pixels(tmp_path / f"{name}.png") for name in names)
-    views = gi.photograph(gi.load_worn(glb), size=96)
+    views = gi.photograph(gi.load_drape(glb), size=96)
     assert np.array_equal(pixels(tmp_path / "a.png"), views.colour)
     seen = np.isfinite(views.depth)
     assert np.array_equal(depth > 0, seen)
@@ -132,8 +132,8 @@ def test_maps_tell_the_same_view_as_the_picture(capsys, tmp_path, glb):
 
 
 def test_more_panels_than_a_palette_holds_are_refused(glb):
-    views = gi.photograph(gi.load_worn(glb), size=16)
-    views.panel[0, 0] = MOST_PANELS + 1
+    views = gi.photograph(gi.load_drape(glb), size=16)
+    views.panel[0, 0] = MAX_PANELS + 1
     with pytest.raises(gi.RenderError, match="tells 254 of them"):
         panel_numbers(views)
 
@@ -297,7 +297,7 @@ def test_half_a_body_is_refused_and_one_with_a_small_hole_is_dressed(capsys, tmp
     assert not out.exists()
     whole = write_obj(tmp_path / "whole.obj", faces[20:])
     assert run(capsys, "drape", TROUSERS, *FEW, "--body", whole, "-o", out)[0] == 0
-    assert gi.load_worn(out).body.name == "whole"
+    assert gi.load_drape(out).body.name == "whole"
 
 
 def test_auto_takes_the_body_that_fits_and_says_which(capsys, tmp_path):

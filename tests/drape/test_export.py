@@ -8,12 +8,12 @@ import pytest
 
 from garmentimage.body.body import load_body
 from garmentimage.draft.kinds import draft_pattern
-from garmentimage.drape.files.export import obj_text, ply_bytes, save_worn
-from garmentimage.drape.files.glb import UV_CM, glb_bytes, load_worn, mesh_names, read_glb
+from garmentimage.drape.draped_garment import DrapedGarment, DrapeReport
+from garmentimage.drape.files.export import obj_text, ply_bytes, save_drape
+from garmentimage.drape.files.glb import UV_CM, glb_bytes, load_drape, mesh_names, read_glb
 from garmentimage.drape.files.vertex_attributes import cloth_normals, corner_edges, corner_seams
 from garmentimage.drape.mesh.meshing import mesh
-from garmentimage.drape.mesh.rest import most_strain, rest_of
-from garmentimage.drape.worn import DrapeReport, Worn
+from garmentimage.drape.mesh.rest import peak_strain, rest_of
 from garmentimage.errors import DrapeError, OutputError
 
 GLB_TOL_CM = 1e-4
@@ -43,8 +43,8 @@ def worn(request):
         [p.to_world(cloth.flat[cloth.panel == k]) for k, p in enumerate(pattern.panels)]
     )
     points = cloth.sewn(corners)
-    report = replace(REPORT, strain=most_strain(rest_of(cloth), points))
-    return Worn(cloth, points, load_body(), report)
+    report = replace(REPORT, strain=peak_strain(rest_of(cloth), points))
+    return DrapedGarment(cloth, points, load_body(), report)
 
 
 def renamed(worn, names):
@@ -88,8 +88,8 @@ def same(a, b):
 
 
 def test_reading_a_glb_gives_the_garment_back(worn, tmp_path):
-    save_worn(tmp_path / "worn.glb", worn)
-    assert same(load_worn(tmp_path / "worn.glb"), worn)
+    save_drape(tmp_path / "worn.glb", worn)
+    assert same(load_drape(tmp_path / "worn.glb"), worn)
 
 
 def test_writing_what_was_read_gives_the_same_numbers(worn):
@@ -111,7 +111,7 @@ def test_any_names_of_panels_survive_a_glb(worn):
 def test_panels_of_a_glb_are_meshes_in_metres_with_true_texture_coordinates(worn, tmp_path):
     import trimesh
 
-    save_worn(tmp_path / "worn.glb", worn)
+    save_drape(tmp_path / "worn.glb", worn)
     scene = trimesh.load_scene(tmp_path / "worn.glb", process=False)
     assert set(scene.geometry) == {*mesh_names(worn.cloth), "body"}
     for panel in worn.cloth.pattern.panels:
@@ -167,7 +167,7 @@ def test_an_obj_holds_one_closed_mesh_and_the_flat_pattern_in_cm(worn):
 def test_an_obj_with_its_body_is_read_by_others(worn, tmp_path):
     import trimesh
 
-    save_worn(tmp_path / "worn.obj", worn)
+    save_drape(tmp_path / "worn.obj", worn)
     mesh_read = trimesh.load_mesh(tmp_path / "worn.obj", process=False)
     assert len(mesh_read.faces) == len(worn.cloth.faces) + len(worn.body.faces)
 
@@ -181,7 +181,7 @@ def test_names_cannot_break_the_lines_of_a_text_file(worn):
 def test_a_ply_holds_panel_and_flat_place_of_every_corner(worn, tmp_path):
     import trimesh
 
-    save_worn(tmp_path / "worn.ply", worn)
+    save_drape(tmp_path / "worn.ply", worn)
     read = trimesh.load_mesh(tmp_path / "worn.ply", process=False)
     data = read.metadata["_ply_raw"]["vertex"]["data"]
     assert np.array_equal(read.faces, worn.cloth.faces)
@@ -194,9 +194,9 @@ def test_a_ply_holds_panel_and_flat_place_of_every_corner(worn, tmp_path):
 
 def test_other_endings_and_missing_folders_are_refused(worn, tmp_path):
     with pytest.raises(OutputError, match=r"choose \.glb, \.obj, \.ply"):
-        save_worn(tmp_path / "worn.fbx", worn)
+        save_drape(tmp_path / "worn.fbx", worn)
     with pytest.raises(OutputError, match="no folder"):
-        save_worn(tmp_path / "none" / "worn.obj", worn)
+        save_drape(tmp_path / "none" / "worn.obj", worn)
 
 
 def test_what_is_no_garment_is_refused_in_one_sentence(worn, tmp_path):
@@ -216,12 +216,12 @@ def test_what_is_no_garment_is_refused_in_one_sentence(worn, tmp_path):
             path = tmp_path / f"{k}.glb"
             path.write_bytes(data)
             with pytest.raises(DrapeError, match=message) as caught:
-                load_worn(path)
+                load_drape(path)
             assert "\n" not in str(caught.value)
     with pytest.raises(DrapeError, match="there is no such file"):
-        load_worn(tmp_path / "none.glb")
+        load_drape(tmp_path / "none.glb")
     with pytest.raises(DrapeError, match="is a folder"):
-        load_worn(tmp_path)
+        load_drape(tmp_path)
 
 
 def damaged(worn, **parts):

@@ -7,8 +7,8 @@ from garmentimage.drape.solver.distance_field import (
     CELL,
     CLOTH_BAND,
     body_field,
-    distance_field,
     empty_field,
+    surface_distance,
 )
 from tests.drape.sheets import lying, sheet
 
@@ -28,7 +28,7 @@ def to_cube(points, half: float = 6.3):
 
 @pytest.fixture(scope="module")
 def cube_field():
-    return distance_field(*cube())
+    return surface_distance(*cube())
 
 
 def nodes(field):
@@ -81,8 +81,8 @@ def test_a_body_is_solid_and_its_field_is_made_once():
 
 
 def test_the_same_surface_gives_the_same_bits():
-    again = distance_field(*cube())
-    assert again.values.tobytes() == distance_field(*cube()).values.tobytes()
+    again = surface_distance(*cube())
+    assert again.values.tobytes() == surface_distance(*cube()).values.tobytes()
 
 
 def test_cloth_over_a_body_is_an_obstacle_that_traps_nothing_behind_it(cube_field):

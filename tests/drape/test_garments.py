@@ -13,11 +13,11 @@ from scipy.spatial import cKDTree
 
 from garmentimage.body.body import load_body
 from garmentimage.draft.kinds import draft_pattern
-from garmentimage.drape.components import items
-from garmentimage.drape.draping import check_worn, drape_pattern
+from garmentimage.drape.components import garment_items
+from garmentimage.drape.draping import check_drape, drape_pattern
 from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.drape.solver.distance_field import body_field
-from garmentimage.drape.start.placement import standing
+from garmentimage.drape.start.placement import place_on_body
 from garmentimage.drape.start.starting import start_points
 from garmentimage.errors import DrapeError
 from garmentimage.examples import example_names, example_path
@@ -126,7 +126,7 @@ def test_half_the_mesh_size_moves_the_silhouette_by_less_than_a_hundredth(name):
 @pytest.mark.parametrize("name", ["tee", "skirt", "pants", "one-panel-dress"])
 def test_plain_garments_are_worn_without_fault(name):
     found = worn(name, 2000)
-    check_worn(found)
+    check_drape(found)
     assert found.report.settled and found.report.penetration < 0.5
 
 
@@ -135,7 +135,7 @@ def test_a_garment_drawn_for_a_far_slimmer_body_is_too_tight(kind):
     found = drape_pattern(draft_pattern(kind, "slim-female"), "short-round-female", vertices=FEW)
     assert any("too tight" in fault for fault in found.report.faults), found.report.faults
     with pytest.raises(DrapeError, match="larger size"):
-        check_worn(found)
+        check_drape(found)
 
 
 def test_the_smaller_a_garment_the_greater_its_strain():
@@ -153,7 +153,7 @@ def test_a_skirt_drawn_for_a_rounder_body_sits_on_the_hips_and_it_is_told():
     found = drape_pattern(
         draft_pattern("skirt", "short-round-female"), "tall-slim-female", vertices=FEW
     )
-    check_worn(found)
+    check_drape(found)
     (note,) = found.report.notes
     assert "sits on the hips" in note and "87 cm" in note and "66" in note
     assert found.report.slid["waist"] > 5.0
@@ -163,7 +163,7 @@ def test_a_skirt_drawn_for_a_rounder_body_sits_on_the_hips_and_it_is_told():
 def test_a_garment_beside_the_body_is_refused(name):
     found = drape_pattern(moved(garment(name), (150.0, 0.0, 0.0)), vertices=FEW)
     with pytest.raises(DrapeError, match="the body is not in the garment"):
-        check_worn(found)
+        check_drape(found)
 
 
 def test_panels_without_stitches_are_refused():
@@ -189,7 +189,7 @@ def test_a_top_lies_outside_of_the_skirt_and_tucked_in_it_lies_inside(tucked):
 @pytest.mark.parametrize("bottom", ["skirt", "pants"])
 @pytest.mark.parametrize("top", ["tee", "tank"])
 def test_a_loose_top_is_worn_tucked_in_without_fault(top, bottom):
-    check_worn(
+    check_drape(
         drape_pattern(
             together(draft_pattern(top), draft_pattern(bottom)), vertices=2000, tucked=True
         )
@@ -206,10 +206,10 @@ def cloth_of(found, prefix: str) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["tee", "tank", "hoodie", "one-panel-dress"])
 def test_what_lies_on_the_shoulders_hangs(kind):
     body = load_body()
-    placed, standings = standing(draft_pattern(kind), body)
+    placed, placements = place_on_body(draft_pattern(kind), body)
     cloth = mesh(placed, vertices=FEW)
-    (item,) = items(cloth, start_points(cloth, body), body, standings)
-    assert not len(item.held)
+    (item,) = garment_items(cloth, start_points(cloth, body), body, placements)
+    assert not len(item.pinned)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,12 @@ import pytest
 from hypothesis import given, settings
 
 from garmentimage import draft_pattern, kinds
-from garmentimage.drape.mesh.meshing import COARSEST, FINEST, mesh, missed
+from garmentimage.drape.mesh.meshing import (
+    MAX_EDGE_LENGTH,
+    MIN_EDGE_LENGTH,
+    explain_vertex_count,
+    mesh,
+)
 from garmentimage.drape.mesh.rest import rest_of, strain
 from garmentimage.drape.mesh.triangulate import triangulate
 from garmentimage.errors import DrapeError
@@ -205,8 +210,8 @@ def test_edges_are_neither_too_fine_nor_too_coarse():
     tiny, huge = (
         np.median(rest_of(mesh(Pattern((square("p", s),)))).length) for s in (10.0, 400.0)
     )
-    assert tiny == pytest.approx(FINEST, rel=0.1)
-    assert huge == pytest.approx(COARSEST, rel=0.1)
+    assert tiny == pytest.approx(MIN_EDGE_LENGTH, rel=0.1)
+    assert huge == pytest.approx(MAX_EDGE_LENGTH, rel=0.1)
 
 
 @pytest.mark.parametrize("vertices", [0, 10**9])
@@ -334,4 +339,8 @@ def test_the_number_of_vertices_is_met(count):
 )
 def test_why_a_number_of_vertices_is_not_met_is_said(panel, asked, why):
     count = mesh(Pattern((panel,), ()), vertices=asked).vertex_count
-    assert (why in missed(count, asked)) if why else missed(count, asked) == ""
+    assert (
+        (why in explain_vertex_count(count, asked))
+        if why
+        else explain_vertex_count(count, asked) == ""
+    )

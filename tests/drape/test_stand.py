@@ -9,8 +9,8 @@ from garmentimage.body.body_measurements import presets
 from garmentimage.body.measure import measure
 from garmentimage.draft.kinds import draft_pattern, kinds
 from garmentimage.drape.girths import chest_level, girth, waist_height
-from garmentimage.drape.start.placement import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, standing
-from garmentimage.drape.support import Held
+from garmentimage.drape.start.placement import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, place_on_body
+from garmentimage.drape.support import SupportSite
 from garmentimage.errors import DraftError
 from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
@@ -29,19 +29,19 @@ def placed_alike(pattern: Pattern, other: Pattern) -> bool:
 @pytest.mark.parametrize("name", presets())
 @pytest.mark.parametrize("kind", kinds())
 def test_a_draft_for_the_body_keeps_its_height(kind, name):
-    _, (report,) = standing(draft_pattern(kind, name), load_body(name))
-    assert abs(report.lifted) < DRAFT_TOL_CM
-    assert report.sure and report.scale == 1
+    _, (report,) = place_on_body(draft_pattern(kind, name), load_body(name))
+    assert abs(report.shift_up) < DRAFT_TOL_CM
+    assert report.is_certain and report.scale == 1
 
 
 @pytest.mark.parametrize("up", [-140.0, -30.0, -5.0, 5.0, 60.0])
 @pytest.mark.parametrize("kind", kinds())
 def test_the_origin_of_a_file_changes_nothing(kind, up):
     body, pattern = load_body("short-round-male"), draft_pattern(kind)
-    placed, reports = standing(pattern, body)
-    again, moved_reports = standing(moved(pattern, (0.0, up, 2 * up)), body)
+    placed, reports = place_on_body(pattern, body)
+    again, moved_reports = place_on_body(moved(pattern, (0.0, up, 2 * up)), body)
     assert placed_alike(again, placed)
-    assert [r.held for r in moved_reports] == [r.held for r in reports]
+    assert [r.site for r in moved_reports] == [r.site for r in reports]
 
 
 @given(
@@ -53,16 +53,16 @@ def test_the_origin_of_a_file_changes_nothing(kind, up):
 )
 def test_no_origin_changes_where_a_garment_stands_on_any_body(up, forward, kind, made, worn):
     pattern, body = draft_pattern(kind, made), load_body(worn)
-    placed, _ = standing(pattern, body)
-    again, _ = standing(moved(pattern, (0.0, up, forward)), body)
+    placed, _ = place_on_body(pattern, body)
+    again, _ = place_on_body(moved(pattern, (0.0, up, forward)), body)
     assert placed_alike(again, placed)
 
 
 @pytest.mark.parametrize("kind", kinds())
 def test_names_are_not_needed_to_tell_what_holds_a_draft(kind):
     body, pattern = load_body(), draft_pattern(kind)
-    (named,), (told,) = (standing(p, body)[1] for p in (pattern, unnamed(pattern)))
-    assert told.held is named.held and told.sure
+    (named,), (told,) = (place_on_body(p, body)[1] for p in (pattern, unnamed(pattern)))
+    assert told.site is named.site and told.is_certain
 
 
 def test_every_garment_of_a_file_is_put_where_it_belongs_by_itself():
@@ -71,34 +71,34 @@ def test_every_garment_of_a_file_is_put_where_it_belongs_by_itself():
     both = Pattern(
         (*tee.panels, *moved(pants, (0.0, 45.0, 0.0)).panels), (*tee.stitches, *pants.stitches)
     )
-    placed, reports = standing(both, body)
-    assert {r.held for r in reports} == {Held.SHOULDERS, Held.WAIST}
+    placed, reports = place_on_body(both, body)
+    assert {r.site for r in reports} == {SupportSite.SHOULDERS, SupportSite.WAIST}
     for pattern in (tee, pants):
         own = Pattern(tuple(placed.by_name[p.name] for p in pattern.panels))
-        assert placed_alike(own, standing(pattern, body)[0])
+        assert placed_alike(own, place_on_body(pattern, body)[0])
 
 
 def test_standing_twice_is_standing_once():
     body = load_body("tall-slim-male")
-    placed, _ = standing(draft_pattern("top-skirt"), body)
-    again, (report,) = standing(placed, body)
-    assert abs(report.lifted) < 1e-9 and abs(report.forward) < 1e-9
+    placed, _ = place_on_body(draft_pattern("top-skirt"), body)
+    again, (report,) = place_on_body(placed, body)
+    assert abs(report.shift_up) < 1e-9 and abs(report.shift_forward) < 1e-9
     assert placed_alike(again, placed)
 
 
 @pytest.mark.parametrize("name", presets())
 def test_a_top_comes_down_on_any_shoulders_from_above(name):
     body = load_body(name)
-    placed, (report,) = standing(draft_pattern("tee"), body)
-    assert report.held is Held.SHOULDERS
+    placed, (report,) = place_on_body(draft_pattern("tee"), body)
+    assert report.site is SupportSite.SHOULDERS
     assert 0.0 < world(placed)[:, 1].max() - body.landmarks["left_neck_point"][1] < 10.0
 
 
 @pytest.mark.parametrize("name", presets())
 def test_the_crotch_of_trousers_is_under_that_of_the_body(name):
     body = load_body(name)
-    placed, (report,) = standing(draft_pattern("pants"), body)
-    assert report.held is Held.WAIST
+    placed, (report,) = place_on_body(draft_pattern("pants"), body)
+    assert report.site is SupportSite.WAIST
     front = placed.by_name["left_trouser_front"]
     points = front.to_world(front.outline.polygon)
     crotch = points[points[:, 0].argmin(), 1]
@@ -109,9 +109,9 @@ def test_the_crotch_of_trousers_is_under_that_of_the_body(name):
 @pytest.mark.parametrize("name", presets())
 def test_a_top_edge_holds_only_where_the_body_is_hardly_less_round(name, length):
     body = load_body(name)
-    _, (report,) = standing(tube(length), body)
-    assert report.held is Held.WAIST and report.length == pytest.approx(length)
-    if report.holds:
+    _, (report,) = place_on_body(tube(length), body)
+    assert report.site is SupportSite.WAIST and report.length == pytest.approx(length)
+    if report.is_supported:
         assert girth(body, report.level) >= length - EASE
     else:
         assert girth(body, body.landmarks["crotch"][1] + 1.0) < length - EASE + 2.0
@@ -120,7 +120,7 @@ def test_a_top_edge_holds_only_where_the_body_is_hardly_less_round(name, length)
 def test_a_skirt_a_little_too_wide_for_the_waist_sits_on_the_hips():
     body = load_body()
     waist, crotch = waist_height(body), body.landmarks["crotch"][1]
-    levels = [standing(tube(length), body)[1][0].level for length in (74.0, 84.0, 90.0, 96.0)]
+    levels = [place_on_body(tube(length), body)[1][0].level for length in (74.0, 84.0, 90.0, 96.0)]
     assert levels[0] == pytest.approx(waist)
     assert levels == sorted(levels, reverse=True)
     assert levels[-2] > waist - ON_HIPS * (waist - crotch) - 3.0
@@ -129,7 +129,7 @@ def test_a_skirt_a_little_too_wide_for_the_waist_sits_on_the_hips():
 @pytest.mark.parametrize("band", ["none", "band"])
 def test_a_waistband_goes_up_from_the_waist(band):
     body = load_body()
-    _, (report,) = standing(draft_pattern("skirt", waistband=band), body)
+    _, (report,) = place_on_body(draft_pattern("skirt", waistband=band), body)
     up = report.level - waist_height(body)
     assert 0 <= up <= BAND_ABOVE
     assert (up > 0) == (band == "band")
@@ -138,20 +138,20 @@ def test_a_waistband_goes_up_from_the_waist(band):
 def test_an_edge_labelled_for_the_waist_is_drawn_together_as_by_an_elastic():
     body = load_body()
     gathered = draft_pattern("skirt", waistband="none", skirt_fullness=1.8)
-    _, (report,) = standing(gathered, body)
-    assert report.holds and 0 < report.drawn_to < girth(body, waist_height(body))
-    _, (plain,) = standing(unnamed(gathered, labels=False), body)
-    assert not plain.holds and plain.drawn_to == plain.length
+    _, (report,) = place_on_body(gathered, body)
+    assert report.is_supported and 0 < report.drawn_length < girth(body, waist_height(body))
+    _, (plain,) = place_on_body(unnamed(gathered, labels=False), body)
+    assert not plain.is_supported and plain.drawn_length == plain.length
 
 
 @pytest.mark.parametrize("degrees", [60.0, 180.0, 270.0, 350.0])
 def test_a_circle_skirt_belongs_to_the_waist_and_its_seams_are_no_shoulders(degrees):
     body = load_body()
-    _, (report,) = standing(circle_skirt(degrees, waist=76.0, length=55.0), body)
-    assert report.held is Held.WAIST and report.holds
+    _, (report,) = place_on_body(circle_skirt(degrees, waist=76.0, length=55.0), body)
+    assert report.site is SupportSite.WAIST and report.is_supported
     assert report.level == pytest.approx(waist_height(body))
-    _, (short,) = standing(circle_skirt(degrees, waist=76.0, length=18.0), body)
-    assert short.held is Held.WAIST
+    _, (short,) = place_on_body(circle_skirt(degrees, waist=76.0, length=18.0), body)
+    assert short.site is SupportSite.WAIST
 
 
 @pytest.mark.parametrize("name", presets())
@@ -160,23 +160,23 @@ def test_a_strapless_dress_is_held_over_the_bust_where_it_is_tight(name, up):
     body = load_body(name)
     body_girth = measure(body)
     dress = strapless_dress(body_girth.bust_girth + 2, body_girth.waist_girth + 4)
-    _, (report,) = standing(moved(dress, (0.0, up, 0.0)), body)
-    assert report.held is Held.CHEST and report.sure and report.holds
+    _, (report,) = place_on_body(moved(dress, (0.0, up, 0.0)), body)
+    assert report.site is SupportSite.CHEST and report.is_certain and report.is_supported
     assert report.level == pytest.approx(chest_level(body))
     wide = strapless_dress(2 * body_girth.bust_girth, 2 * body_girth.waist_girth)
-    assert not standing(wide, body)[1][0].holds
+    assert not place_on_body(wide, body)[1][0].is_supported
 
 
 def test_a_doubtful_garment_says_so():
     body = load_body()
-    _, (report,) = standing(tube(95.0), body)
-    assert not report.sure and "file" in report.why
+    _, (report,) = place_on_body(tube(95.0), body)
+    assert not report.is_certain and "file" in report.reason
 
 
 def test_front_and_back_get_the_body_between_them():
     body = load_body()
     for forward in (-20.0, 0.0, 20.0):
-        placed, _ = standing(moved(draft_pattern("tee"), (0.0, 0.0, forward)), body)
+        placed, _ = place_on_body(moved(draft_pattern("tee"), (0.0, 0.0, forward)), body)
         front, back = (placed.by_name[name].translation[2] for name in ("front", "back"))
         trunk = body.vertices[np.abs(body.vertices[:, 0]) < 5]
         chest = trunk[(trunk[:, 1] > 110) & (trunk[:, 1] < 130), 2]
@@ -185,16 +185,16 @@ def test_front_and_back_get_the_body_between_them():
 
 def test_nothing_is_bent_and_nothing_moves_sideways():
     pattern = draft_pattern("hoodie")
-    placed, (report,) = standing(pattern, load_body("tall-slim-male"))
+    placed, (report,) = place_on_body(pattern, load_body("tall-slim-male"))
     for before, after in zip(pattern.panels, placed.panels, strict=True):
         assert after.outline == before.outline and after.rotation == before.rotation
         step = np.subtract(after.translation, before.translation)
-        assert np.allclose(step, [0, report.lifted, report.forward])
+        assert np.allclose(step, [0, report.shift_up, report.shift_forward])
 
 
 def test_lengths_are_scaled_only_when_asked():
     body, pattern = load_body(), draft_pattern("tee")
-    placed, (report,) = standing(pattern, body, made_for=np.ptp(body.vertices[:, 1]) * 1.25)
+    placed, (report,) = place_on_body(pattern, body, made_for=np.ptp(body.vertices[:, 1]) * 1.25)
     assert report.scale == pytest.approx(0.8)
     for before, after in zip(pattern.panels, placed.panels, strict=True):
         assert after.outline.area == pytest.approx(0.64 * before.outline.area)
@@ -202,19 +202,19 @@ def test_lengths_are_scaled_only_when_asked():
             [0.8 * c.length for c in before.curves]
         )
     with pytest.raises(DraftError, match="stature"):
-        standing(pattern, body, made_for=17.0)
+        place_on_body(pattern, body, made_for=17.0)
 
 
 @pytest.mark.corpus
 def test_patterns_by_others_are_held_where_they_are_worn():
     body = load_body()
     for path in corpus_sample(60):
-        placed, (report, *_) = standing(read_pattern(path)[0], body)
+        placed, (report, *_) = place_on_body(read_pattern(path)[0], body)
         low, high = world(placed)[:, 1].min(), world(placed)[:, 1].max()
         name = path.stem
         if "tee" in name or "jacket" in name or "jumpsuit" in name:
-            assert report.held is not Held.WAIST, name
+            assert report.site is not SupportSite.WAIST, name
         if name.startswith(("skirt", "pants", "wb_pants")):
-            assert report.held is Held.WAIST, name
+            assert report.site is SupportSite.WAIST, name
             assert 90 < report.level < 111, name
         assert low < report.level + 1e-6 and high > 80, name

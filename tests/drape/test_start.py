@@ -8,11 +8,11 @@ import pytest
 from garmentimage import draft_pattern, load_pattern
 from garmentimage.body.body import POSES, load_body
 from garmentimage.body.body_measurements import presets
-from garmentimage.drape.components import items
-from garmentimage.drape.draping import check_worn, drape_pattern
+from garmentimage.drape.components import garment_items
+from garmentimage.drape.draping import check_drape, drape_pattern
 from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.drape.solver.distance_field import body_field
-from garmentimage.drape.start.placement import standing
+from garmentimage.drape.start.placement import place_on_body
 from garmentimage.drape.start.starting import start_points
 from garmentimage.drape.verdict.openings import BONES, bones, openings, turns
 from garmentimage.errors import GarmentImageError
@@ -27,7 +27,7 @@ FEW = 600
 
 def limbs_inside(pattern, body) -> set[str]:
     """Limbs that go alone through an opening at the start."""
-    cloth = mesh(standing(pattern, body)[0], vertices=FEW)
+    cloth = mesh(place_on_body(pattern, body)[0], vertices=FEW)
     start, lines = start_points(cloth, body), bones(body)
     inside = set()
     for opening in openings(cloth.vertex_faces):
@@ -68,7 +68,7 @@ def test_trousers_drawn_for_other_legs_are_laid_along_the_legs(degrees):
 
 def test_a_skirt_begins_where_its_panels_are():
     skirt, body = draft_pattern("skirt"), load_body()
-    placed = standing(skirt, body)[0]
+    placed = place_on_body(skirt, body)[0]
     cloth = mesh(placed, vertices=FEW)
     corners = np.empty((len(cloth.flat), 3))
     for k, panel in enumerate(placed.panels):
@@ -87,13 +87,15 @@ def joined(*patterns):
 def test_what_hangs_goes_over_what_is_held_unless_it_is_tucked():
     body = load_body()
     both = joined(draft_pattern("tee"), draft_pattern("skirt"))
-    placed, standings = standing(both, body)
+    placed, placements = place_on_body(both, body)
     cloth = mesh(placed, vertices=FEW)
-    start = start_points(cloth, body, standings)
-    over, under = (items(cloth, start, body, standings, tucked=tucked) for tucked in (False, True))
-    assert [len(i.held) > 0 for i in over] == [True, False]
-    assert [len(i.held) > 0 for i in under] == [False, True]
-    band = start[over[0].held]
+    start = start_points(cloth, body, placements)
+    over, under = (
+        garment_items(cloth, start, body, placements, tucked=tucked) for tucked in (False, True)
+    )
+    assert [len(i.pinned) > 0 for i in over] == [True, False]
+    assert [len(i.pinned) > 0 for i in under] == [False, True]
+    band = start[over[0].pinned]
     assert abs(band[:, 1].mean() - body.landmarks["waist_front"][1]) < 5.0
 
 
@@ -115,7 +117,7 @@ def test_panels_of_a_wide_skirt_are_no_sleeves():
     alone, beside = draft_pattern("tee"), wide_skirt(20.0)
     starts = []
     for pattern in (alone, beside):
-        cloth = mesh(standing(pattern, body)[0], vertices=FEW)
+        cloth = mesh(place_on_body(pattern, body)[0], vertices=FEW)
         corners = start_points(cloth, body)[cloth.vertex]
         names = [p.name for p in cloth.pattern.panels]
         sleeve = [n for n in names if n.startswith("left_sleeve")]
@@ -138,7 +140,7 @@ def wide_front() -> Pattern:
 def test_the_wide_half_of_a_front_is_no_sleeve():
     body = load_body("mean-female")
     assert limbs_inside(wide_front(), body) >= {"left arm", "right arm"}
-    cloth = mesh(standing(wide_front(), body)[0], vertices=FEW)
+    cloth = mesh(place_on_body(wide_front(), body)[0], vertices=FEW)
     panels = cloth.pattern.panels
     k = next(k for k, p in enumerate(panels) if p.name == "wide_front")
     free = (cloth.panel == k) & (np.bincount(cloth.vertex)[cloth.vertex] == 1)
@@ -171,7 +173,7 @@ def collared() -> Pattern:
 
 def test_a_collar_begins_as_a_ring_round_the_neck():
     body = load_body("mean-female")
-    cloth = mesh(standing(collared(), body)[0], vertices=FEW)
+    cloth = mesh(place_on_body(collared(), body)[0], vertices=FEW)
     start = start_points(cloth, body)
     uppers = [
         line for side, line in cloth.sides.items() if "collar" in side.panel and side.edge == 2
@@ -215,13 +217,13 @@ def circle_skirt(half: float) -> Pattern:
 def test_circle_skirts_begin_round_the_body_and_are_worn_without_fault(degrees):
     body = load_body("mean-female")
     pattern = circle_skirt(np.deg2rad(degrees))
-    cloth = mesh(standing(pattern, body)[0], vertices=FEW)
+    cloth = mesh(place_on_body(pattern, body)[0], vertices=FEW)
     start = start_points(cloth, body)
     skirt = np.unique(cloth.vertex[cloth.panel >= 2])
     sides = np.abs(start[skirt, 2]) < 1.0
     assert body_field(body).at(start[skirt]).min() > 0
     assert np.abs(start[skirt][sides, 0]).min() > 10
-    check_worn(drape_pattern(pattern, body))
+    check_drape(drape_pattern(pattern, body))
 
 
 @pytest.mark.parametrize("kind", ["pants", "skirt"])
@@ -232,7 +234,7 @@ def test_hems_begin_over_the_feet(kind):
         replace(p, outline=stretched(p.outline, 1.5)) if "band" not in p.name else p
         for p in pattern.panels
     )
-    cloth = mesh(standing(replace(pattern, panels=panels), body)[0], vertices=FEW)
+    cloth = mesh(place_on_body(replace(pattern, panels=panels), body)[0], vertices=FEW)
     assert start_points(cloth, body)[:, 1].min() > body.landmarks["left_ankle_joint"][1]
 
 

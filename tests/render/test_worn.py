@@ -9,8 +9,8 @@ from PIL import Image
 
 from garmentimage.body.body import load_body
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.draped_garment import DrapedGarment, DrapeReport
 from garmentimage.drape.mesh.normals import vertex_normals
-from garmentimage.drape.worn import DrapeReport, Worn
 from garmentimage.errors import OutputError, RenderError
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
 from garmentimage.render.png import contact_sheet, png_bytes, save_png
@@ -319,7 +319,7 @@ def test_encoding_undoes_linear_light():
     assert (encoded(linear(levels / 255)) == levels).all()
 
 
-def skirt() -> Worn:
+def skirt() -> DrapedGarment:
     """Two square panels, front and back, sewn down both sides, round the hips; and a top panel."""
     corners = ((-20.0, 0.0), (20.0, 0.0), (20.0, 40.0), (-20.0, 40.0))
     loop = Loop(corners, tuple(Edge(k, (k + 1) % 4) for k in range(4)))
@@ -351,7 +351,7 @@ def skirt() -> Worn:
     lower = np.array([(-20.0, 60, 18), (20, 60, 18), (20, 100, 18), (-20, 100, 18)])
     points = np.concatenate([lower, lower + np.array([0, 35, 5])])
     report = DrapeReport(True, 1, 0.0, 0.0, 0.0, {}, 0, 0.0, 1, (), 0.0)
-    return Worn(cloth, points, load_body(), report)
+    return DrapedGarment(cloth, points, load_body(), report)
 
 
 def test_panels_are_grouped_by_where_they_hang():

@@ -37,7 +37,7 @@ MIDDLE = 0.02
 """Points nearer to the plane of symmetry than this share of the body's size are in its middle."""
 STRAIGHT, SQUARE = np.deg2rad(4.0), np.deg2rad(2.0)
 """Bodies that lean by less, and that are turned by less about the vertical, are left so."""
-MOST_LEANING = np.deg2rad(30.0)
+MAX_LEANING = np.deg2rad(30.0)
 """A body that leans more lies or sits."""
 MIDDLE_OFF = 0.3
 """The middle of the span is x = 0 unless the plane of symmetry lies farther from it [cm]: the hands
@@ -62,7 +62,7 @@ def upright(points: Points, faces: Int[np.ndarray, "face 3"]) -> Points:
     up = _up(skin, across)
     axis = _axis(up)
     lean = _angle(up, axis)
-    if lean > MOST_LEANING:
+    if lean > MAX_LEANING:
         raise DraftError(
             f"leans by {np.rad2deg(lean):.0f} degrees; stand it upright, arms out and legs apart"
         )

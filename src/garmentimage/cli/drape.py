@@ -21,7 +21,7 @@ from garmentimage.system import check_output, shown_path, write_together
 
 if TYPE_CHECKING:
     from garmentimage.body import Body
-    from garmentimage.drape import DrapeReport, Worn
+    from garmentimage.drape import DrapedGarment, DrapeReport
     from garmentimage.pattern import Pattern
 
 BODY, POSE, FABRIC = "mean-female", "t", "cotton"
@@ -58,14 +58,14 @@ def drape_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_drape(options: argparse.Namespace) -> Exit:
     """Drape a garment and write it, and a picture of it."""
-    from garmentimage.drape.files import WORN_FORMATS, worn_bytes
+    from garmentimage.drape.files import DRAPE_FORMATS, drape_bytes
 
     inputs = [*options.files, *body_file(options)]
-    check_output(options.out, WORN_FORMATS, inputs)
+    check_output(options.out, DRAPE_FORMATS, inputs)
     if options.image:
         check_output(options.image, (".png",), [*inputs, options.out])
     worn = worn_from(options)
-    results = {options.out: worn_bytes(worn, options.out.suffix)}
+    results = {options.out: drape_bytes(worn, options.out.suffix)}
     if options.image:
         from garmentimage.render import png_bytes
         from garmentimage.render.worn import photograph
@@ -156,14 +156,14 @@ def _length(text: str) -> float:
 # --- draping -------------------------------------------------------------------------------------
 
 
-def worn_from(options: argparse.Namespace) -> "Worn":
+def worn_from(options: argparse.Namespace) -> "DrapedGarment":
     """The garment in `options.files` on the body; bad ones only with `--keep-bad`.
 
     Raises:
         GarmentImageError: a file, a body or a fabric that will not do, or a drape that went wrong.
     """
     from garmentimage.drape import drape_pattern, load_fabric, outfit
-    from garmentimage.drape.mesh import VERTICES, missed
+    from garmentimage.drape.mesh import DEFAULT_VERTICES, explain_vertex_count
 
     fabric = load_fabric(_or(options.fabric, FABRIC))
     patterns = [_pattern(path) for path in options.files]
@@ -177,30 +177,32 @@ def worn_from(options: argparse.Namespace) -> "Worn":
             pattern,
             body,
             fabric=fabric,
-            vertices=VERTICES if options.vertices is None else options.vertices,
+            vertices=DEFAULT_VERTICES if options.vertices is None else options.vertices,
             tucked=options.tucked,
             made_for=made_for,
             watch=LongWait("draping"),
         )
     for note in worn.report.notes:
         say(f"note: {shown_path(options.files[0])}: {one_line(note)}")
-    remark = missed(worn.cloth.vertex_count, options.vertices) if options.vertices else ""
+    remark = (
+        explain_vertex_count(worn.cloth.vertex_count, options.vertices) if options.vertices else ""
+    )
     if remark:
         say(f"warning: {shown_path(options.files[0])}: {remark}")
     accept(worn, options)
     return worn
 
 
-def accept(worn: "Worn", options: argparse.Namespace) -> None:
+def accept(worn: "DrapedGarment", options: argparse.Namespace) -> None:
     """Refuse a drape that went wrong, or only say so where it is wanted all the same."""
-    from garmentimage.drape import check_worn
+    from garmentimage.drape import check_drape
 
     if options.keep_bad:
         for fault in worn.report.faults:
             say(f"warning: {shown_path(options.files[0])}: {one_line(fault)}")
     else:
         with errors_about(options.files[0]):
-            check_worn(worn)
+            check_drape(worn)
 
 
 def _pattern(path: Path) -> "Pattern":
@@ -275,7 +277,7 @@ def _or(text: str | None, default: str) -> str:
 # --- reports -------------------------------------------------------------------------------------
 
 
-def worn_facts(worn: "Worn") -> dict[str, Any]:
+def worn_facts(worn: "DrapedGarment") -> dict[str, Any]:
     """A drape for JSON."""
     report = asdict(worn.report)
     return {
@@ -287,7 +289,7 @@ def worn_facts(worn: "Worn") -> dict[str, Any]:
     }
 
 
-def told(worn: "Worn") -> str:
+def told(worn: "DrapedGarment") -> str:
     """A drape in words."""
     report: DrapeReport = worn.report
     rest = "at rest" if report.settled else "still moving"

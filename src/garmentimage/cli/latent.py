@@ -245,7 +245,7 @@ def _write(
 
     Columns without a name are in the strip only, as they are the user's own.
     """
-    from garmentimage.drape.files import worn_bytes
+    from garmentimage.drape.files import drape_bytes
     from garmentimage.networks import film as animation, strip
     from garmentimage.pattern.files import pattern_text
     from garmentimage.raster import image_bytes
@@ -261,7 +261,7 @@ def _write(
         if column.step.pattern is not None:
             results[path.with_suffix(".json")] = pattern_text(column.step.pattern)
         if column.worn is not None:
-            results[path.with_suffix(".glb")] = worn_bytes(column.worn, ".glb")
+            results[path.with_suffix(".glb")] = drape_bytes(column.worn, ".glb")
     results[options.out / "strip.png"] = png_bytes(strip([each for _, each in drawn]))
     if film:
         results[options.out / "film.gif"] = animation(list(made.values()))

@@ -90,7 +90,7 @@ def _check_results(out: Path, names: Mapping[str, Path]) -> None:
 
 def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
     """Write what is found, and take away what an earlier run found under the same name."""
-    from garmentimage.drape.files import worn_bytes
+    from garmentimage.drape.files import drape_bytes
     from garmentimage.pattern.files import pattern_text
     from garmentimage.predict import sheet
     from garmentimage.raster import image_bytes
@@ -102,7 +102,7 @@ def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
         ".npz": image_bytes(step.image),
         ".png": png_bytes(sheet(prediction, worn)),
         ".json": None if step.pattern is None else pattern_text(step.pattern),
-        ".glb": None if worn.worn is None else worn_bytes(worn.worn, ".glb"),
+        ".glb": None if worn.worn is None else drape_bytes(worn.worn, ".glb"),
     }
     make_folder(out)
     write_together({out / (name + k): data for k, data in found.items() if data is not None})

@@ -22,7 +22,7 @@ from garmentimage.errors import RenderError, quoted
 from garmentimage.system import check_output, shown_path, write_together
 
 if TYPE_CHECKING:
-    from garmentimage.drape import Worn
+    from garmentimage.drape import DrapedGarment
     from garmentimage.render.worn import Look, Print, Tint
 
 WORN_SUFFIX = ".glb"
@@ -138,7 +138,7 @@ def run_render(options: argparse.Namespace) -> Exit:
     return Exit.OK
 
 
-def _worn(options: argparse.Namespace) -> "Worn":
+def _worn(options: argparse.Namespace) -> "DrapedGarment":
     """The garment of a `.glb`, or one draped from patterns."""
     for path in options.files:
         suffix = path.suffix.lower()
@@ -152,8 +152,8 @@ def _worn(options: argparse.Namespace) -> "Worn":
     return worn_from(options)
 
 
-def _read_worn(path: Path, options: argparse.Namespace) -> "Worn":
-    from garmentimage.drape.files import load_worn
+def _read_worn(path: Path, options: argparse.Namespace) -> "DrapedGarment":
+    from garmentimage.drape.files import load_drape
 
     if len(options.files) > 1:
         raise RenderError(
@@ -165,7 +165,7 @@ def _read_worn(path: Path, options: argparse.Namespace) -> "Worn":
         raise RenderError(
             f"{shown_path(path)}: is draped already; --{given[0].replace('_', '-')} is for patterns"
         )
-    worn = load_worn(path)
+    worn = load_drape(path)
     accept(worn, options)
     return worn
 
@@ -177,7 +177,7 @@ def _is_given(value: object) -> bool:
 # --- look ----------------------------------------------------------------------------------------
 
 
-def _look(options: argparse.Namespace, worn: "Worn") -> "Look":
+def _look(options: argparse.Namespace, worn: "DrapedGarment") -> "Look":
     """A plain or a random look, as the options change it.
 
     Raises:
@@ -212,7 +212,7 @@ def _look(options: argparse.Namespace, worn: "Worn") -> "Look":
     return look
 
 
-def _part_groups(worn: "Worn") -> Mapping[str, str]:
+def _part_groups(worn: "DrapedGarment") -> Mapping[str, str]:
     """The group of everything that PART may name: groups, panels and their labels."""
     from garmentimage.render.worn import panel_groups
 

@@ -164,7 +164,7 @@ def _guidance(options: argparse.Namespace, text: str) -> "ScoreDistillation":
 
 
 def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
-    from garmentimage.drape.files import worn_bytes
+    from garmentimage.drape.files import drape_bytes
     from garmentimage.networks import strip
     from garmentimage.pattern.files import pattern_text
     from garmentimage.raster import image_bytes
@@ -183,7 +183,7 @@ def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
         results[path.with_suffix(".json")] = pattern_text(found.result.pattern)
     for name, each in (("before", before), ("edited", after)):
         if each.worn is not None:
-            results[options.out / f"{name}.glb"] = worn_bytes(each.worn, ".glb")
+            results[options.out / f"{name}.glb"] = drape_bytes(each.worn, ".glb")
     make_folder(options.out)
     write_together(results)
     for name in RESULTS:

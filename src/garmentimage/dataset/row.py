@@ -16,7 +16,7 @@ from garmentimage.body import wearer
 from garmentimage.dataset.caption import captions
 from garmentimage.dataset.recipe import GarmentType, Recipe
 from garmentimage.draft import Sample, sample
-from garmentimage.drape import Worn, drape_pattern
+from garmentimage.drape import DrapedGarment, drape_pattern
 from garmentimage.errors import DatasetError, GarmentImageError, quoted
 from garmentimage.pattern.files import pattern_to_spec
 from garmentimage.raster.encode import encode
@@ -168,7 +168,7 @@ def _metadata(task: RowTask, garment: Sample, body: str, fabric: str) -> dict[st
     }
 
 
-def _pictures(task: RowTask, worn: Worn) -> dict[str, Any]:
+def _pictures(task: RowTask, worn: DrapedGarment) -> dict[str, Any]:
     recipe, pictures, panels = task.recipe, {}, b""
     random = task.random(_LOOK)
     look = Look.random(random) if recipe.look == "random" else _plain(recipe)

@@ -12,7 +12,7 @@ from garmentimage.draft.panel import BACK, FACINGS, FRONT, SIDES, PanelDraft, Se
 from garmentimage.draft.parameters import Parameter, Value, checked_values, parameters_of
 from garmentimage.draft.parts import (
     BelowWaist,
-    Block,
+    BodiceBlock,
     BodiceDesign,
     CuffDesign,
     CutoutDesign,
@@ -134,7 +134,12 @@ def _part(design: type, values: Mapping[str, Value]) -> Any:
 
 
 def _sew_trunk(
-    garment: Assembly, block: Block, design: Design, below: BelowWaist, *, front: str = "closed"
+    garment: Assembly,
+    block: BodiceBlock,
+    design: Design,
+    below: BelowWaist,
+    *,
+    front: str = "closed",
 ) -> dict[str, tuple[PanelDraft, ...]]:
     """Front and back with their sleeves; `front` is closed, open or under a hood."""
     inner, outer = block.shoulder_ends
@@ -188,26 +193,26 @@ def seam_of(panels: tuple[PanelDraft, ...], label: str, side: str | None = None)
 
 def make_top(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A bodice that ends at a hem."""
-    block = Block(body, design.bodice, design.neck)
+    block = BodiceBlock(body, design.bodice, design.neck)
     _sew_trunk(garment, block, design, below_waist(block, design.hem, design.bodice.body_length))
 
 
 def make_shirt(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A bodice with darts."""
-    block = Block(body, design.bodice, design.neck, design.darts.intake)
+    block = BodiceBlock(body, design.bodice, design.neck, design.darts.intake)
     _sew_trunk(garment, block, design, below_waist(block, design.hem, design.bodice.body_length))
 
 
 def make_jacket(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A bodice that is open in front."""
-    block = Block(body, design.bodice, design.neck)
+    block = BodiceBlock(body, design.bodice, design.neck)
     below = below_waist(block, design.hem, design.bodice.body_length)
     _sew_trunk(garment, block, design, below, front="open")
 
 
 def make_hoodie(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A top with a hood."""
-    block = Block(body, design.bodice, design.neck)
+    block = BodiceBlock(body, design.bodice, design.neck)
     below = below_waist(block, design.hem, design.bodice.body_length)
     panels = _sew_trunk(garment, block, design, below)
     necks = {(f, side): seam_of(panels[f], "neck", side) for f in FACINGS for side in SIDES}
@@ -216,7 +221,7 @@ def make_hoodie(garment: Assembly, body: BodyMeasurements, design: Design) -> No
 
 def make_jumpsuit(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A bodice that goes on into both legs."""
-    block = Block(body, design.bodice, design.neck)
+    block = BodiceBlock(body, design.bodice, design.neck)
     panels = _sew_trunk(garment, block, design, legs_below_waist(block, design.trousers))
     for side in SIDES:
         garment.sew(*(seam_of(panels[facing], "inseam", side) for facing in FACINGS))
@@ -224,7 +229,7 @@ def make_jumpsuit(garment: Assembly, body: BodyMeasurements, design: Design) -> 
 
 def make_top_skirt(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A bodice sewn to a skirt."""
-    block = Block(body, design.bodice, design.neck)
+    block = BodiceBlock(body, design.bodice, design.neck)
     panels = _sew_trunk(garment, block, design, to_waist(block))
     waists = {facing: seam_of(panels[facing], "waist") for facing in FACINGS}
     lengths = {facing: garment.length(waist) for facing, waist in waists.items()}
@@ -235,7 +240,7 @@ def make_top_skirt(garment: Assembly, body: BodyMeasurements, design: Design) ->
 
 def make_top_pants(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A bodice sewn to trousers."""
-    block = Block(body, design.bodice, design.neck)
+    block = BodiceBlock(body, design.bodice, design.neck)
     panels = _sew_trunk(garment, block, design, to_waist(block))
     waists = {facing: seam_of(panels[facing], "waist") for facing in FACINGS}
     tops = add_trousers(garment, body, design.trousers, garment.length(waists[FRONT]))

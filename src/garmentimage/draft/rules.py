@@ -10,7 +10,7 @@ from garmentimage.geometry import Curve, signed_area
 
 HEAD_STRETCH = 1.3
 """How far a neckline stretches to let the head through; ribbed and bias edges do so easily."""
-NARROWEST_STRAP = 2.5
+MIN_STRAP_WIDTH = 2.5
 """Shortest shoulder seam that still holds a garment up [cm]."""
 ARM_EASE = 2.0
 """Least that a sleeve is wider than the arm [cm]."""
@@ -34,9 +34,9 @@ def check_neck(opening: float, head_girth: float) -> None:
 
 def check_strap(shoulder_seam: float) -> None:
     """Refuse a shoulder seam that is too short to hold the garment."""
-    if shoulder_seam < NARROWEST_STRAP:
+    if shoulder_seam < MIN_STRAP_WIDTH:
         raise DraftError(
-            f"the shoulder seam is {shoulder_seam:.1f} cm long, at least {NARROWEST_STRAP} cm "
+            f"the shoulder seam is {shoulder_seam:.1f} cm long, at least {MIN_STRAP_WIDTH} cm "
             "hold a garment; make neck_width smaller or shoulder_reach larger"
         )
 

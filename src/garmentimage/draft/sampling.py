@@ -27,7 +27,7 @@ from garmentimage.system import did_you_mean
 
 END_SHARE = 0.03
 """Share of draws that a number's lowest value has, and its highest: corners of the ranges occur."""
-MOST_DRAWS = 100
+MAX_DRAWS = 100
 """A sample that is rejected so often is given up: the source hardly gives a garment."""
 ANY_BODY = "any"
 """Draws the body among the shipped ones, too."""
@@ -162,7 +162,7 @@ def _one(
     key = zlib.crc32(name.encode())
     random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, key, index])))
     rejected: list[str] = []
-    while len(rejected) < MOST_DRAWS:
+    while len(rejected) < MAX_DRAWS:
         try:
             who, values, pattern = _drawn(source, body, fixed, random)
         except (DraftError, PatternError) as error:
@@ -172,7 +172,7 @@ def _one(
         ours = {**pattern.extra.get("ours", {}), "draft": made.record()}
         return replace(made, pattern=replace(pattern, extra={**pattern.extra, "ours": ours}))
     raise DraftError(
-        f"{quoted(name)}, seed {seed}, garment {index}: rejected {MOST_DRAWS} times, the last time "
+        f"{quoted(name)}, seed {seed}, garment {index}: rejected {MAX_DRAWS} times, the last time "
         f"because {rejected[-1]}"
     )
 

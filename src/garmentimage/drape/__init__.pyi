@@ -1,8 +1,12 @@
 from .cloth import (
     Cloth as Cloth,
 )
+from .draped_garment import (
+    DrapedGarment as DrapedGarment,
+    DrapeReport as DrapeReport,
+)
 from .draping import (
-    check_worn as check_worn,
+    check_drape as check_drape,
     drape_pattern as drape_pattern,
 )
 from .fabric import (
@@ -16,8 +20,4 @@ from .fit import (
 )
 from .outfits import (
     outfit as outfit,
-)
-from .worn import (
-    DrapeReport as DrapeReport,
-    Worn as Worn,
 )

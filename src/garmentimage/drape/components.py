@@ -1,11 +1,11 @@
-"""Items: the connected pieces of clothing of a pattern, and what holds each of them up.
+"""The items of clothing of a pattern, and what holds each of them up.
 
 Words of this file:
 
 - An **item** is all cloth that is sewn together. A pattern may hold several: a top, and trousers
   that are not sewn to it.
-- An item **hangs** from the shoulders. Else its top edge is **held** at the waist or at the chest,
-  as by a belt or an elastic, where one could hold it; where none could, nothing holds it.
+- An item **hangs** from the shoulders. Otherwise its top edge is **pinned** at the waist or at the
+  chest, as by a belt or an elastic, where one could hold it; where none could, nothing holds it.
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ from scipy.sparse.csgraph import connected_components
 from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.girths import chest_level
-from garmentimage.drape.start import Standing
-from garmentimage.drape.support import Held
+from garmentimage.drape.start import Placement
+from garmentimage.drape.support import SupportSite
 from garmentimage.pattern import Side
 
 LAYER = 2.0
@@ -28,35 +28,35 @@ LAYER = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class Item:
-    """One connected piece of clothing."""
+class GarmentItem:
+    """One item of clothing: all cloth that is sewn together."""
 
     vertices: Int[np.ndarray, " n"]
-    standing: Standing
+    placement: Placement
     """Where its panels were put."""
     top: Int[np.ndarray, " t"]
     """Vertices along its top edge; none where it hangs."""
     level: Float[np.ndarray, " t"]
     """Height at which each of them belongs [cm]."""
-    resting: Int[np.ndarray, " k"]
+    over_shoulders: Int[np.ndarray, " k"]
     """Vertices of an item that hangs that begin over the shoulders."""
     seams: Int[np.ndarray, " s"]
     """Vertices along its shoulder seams; those over the shoulders where it has none."""
 
     @property
-    def held(self) -> Int[np.ndarray, " m"]:
+    def pinned(self) -> Int[np.ndarray, " m"]:
         """Vertices that are kept at their height; none where the item hangs or nothing holds it."""
-        return self.top if self.standing.holds else _NONE
+        return self.top if self.placement.is_supported else _NONE
 
 
-def items(
+def garment_items(
     cloth: Cloth,
     start: Float[np.ndarray, "vertex 3"],
     body: Body,
-    standings: Sequence[Standing],
+    placements: Sequence[Placement],
     *,
     tucked: bool = False,
-) -> tuple[Item, ...]:
+) -> tuple[GarmentItem, ...]:
     """The items of a garment, in the order in which they are put on.
 
     Skirts, trousers and strapless clothes come first and what hangs (tops) over them, or after them
@@ -67,7 +67,7 @@ def items(
         cloth: the sewn garment.
         start: where its vertices start, round the body [cm].
         body: who wears it.
-        standings: where each piece of clothing was put.
+        placements: where each item of clothing was put.
         tucked: tops are worn under skirts and trousers.
     """
     faces = cloth.vertex_faces
@@ -84,13 +84,13 @@ def items(
     for k in range(number):
         own = label_of_face == k
         name = names[cloth.face_panel[own][0]]
-        standing = next(s for s in standings if name in s.panels)
-        hangs = standing.held is Held.SHOULDERS
-        hangs_only = hangs and not standing.holds
-        top, level = (_NONE, np.zeros(0)) if hangs_only else _top(cloth, start, standing, body)
+        placement = next(s for s in placements if name in s.panels)
+        hangs = placement.site is SupportSite.SHOULDERS
+        hangs_only = hangs and not placement.is_supported
+        top, level = (_NONE, np.zeros(0)) if hangs_only else _top(cloth, start, placement, body)
         resting = over[label[over] == k] if hangs else _NONE
-        seams = _along(cloth, standing.seams) if standing.seams else resting
-        item = Item(np.flatnonzero(label == k), standing, top, level, resting, seams)
+        seams = _along(cloth, placement.seams) if placement.seams else resting
+        item = GarmentItem(np.flatnonzero(label == k), placement, top, level, resting, seams)
         deep = round(float(np.ptp(start[item.vertices, 2])) / LAYER) * LAYER
         found.append((hangs != tucked, deep, int(own.sum()), k, item))
     found.sort(key=lambda entry: entry[:4])
@@ -101,17 +101,17 @@ _NONE = np.zeros(0, np.int64)
 
 
 def _top(
-    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], standing: Standing, body: Body
+    cloth: Cloth, start: Float[np.ndarray, "vertex 3"], placement: Placement, body: Body
 ) -> tuple[Int[np.ndarray, " t"], Float[np.ndarray, " t"]]:
     """The vertices along a top edge, and the height at which each belongs [cm].
 
     At the waist that is a level line, whatever curve is drawn. A strapless top keeps its own line,
     and so does one with a single strap, but for the strap.
     """
-    top = _along(cloth, standing.edges)
-    if standing.held is Held.WAIST:
-        return top, np.full(len(top), standing.level)
-    if standing.held is Held.SHOULDERS:
+    top = _along(cloth, placement.edges)
+    if placement.site is SupportSite.WAIST:
+        return top, np.full(len(top), placement.level)
+    if placement.site is SupportSite.SHOULDERS:
         top = top[start[top, 1] < chest_level(body)]
     return top, start[top, 1]
 

@@ -1,15 +1,16 @@
-"""Wearing: from a pattern to a garment at rest on a body."""
+"""Draping: from a pattern to a garment at rest on a body."""
 
 import time
 
 import numpy as np
 
 from garmentimage.body import Body, wearer
-from garmentimage.drape.components import Item, items
-from garmentimage.drape.elastic import drawn_together
+from garmentimage.drape.components import GarmentItem, garment_items
+from garmentimage.drape.draped_garment import DrapedGarment
+from garmentimage.drape.elastic import with_elastics
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.fit import AUTO, best_fit
-from garmentimage.drape.mesh import VERTICES, check_size, mesh, rest_of
+from garmentimage.drape.mesh import DEFAULT_VERTICES, check_size, mesh, rest_of
 from garmentimage.drape.solver import (
     Attachment,
     DistanceField,
@@ -18,11 +19,10 @@ from garmentimage.drape.solver import (
     body_field,
     solve,
 )
-from garmentimage.drape.start import standing, start_points, tucked_in
-from garmentimage.drape.support import Held
-from garmentimage.drape.verdict import judge
-from garmentimage.drape.world_panels import parts
-from garmentimage.drape.worn import Worn
+from garmentimage.drape.start import place_on_body, start_points, tuck_in
+from garmentimage.drape.support import SupportSite
+from garmentimage.drape.verdict import assess_drape
+from garmentimage.drape.world_panels import connected_garments
 from garmentimage.errors import DrapeError, check_type, quoted
 from garmentimage.pattern import Pattern, without_stubs
 from garmentimage.pattern.checks import unknown_place
@@ -41,16 +41,16 @@ def drape_pattern(
     body: str | Body = "mean-female",
     *,
     fabric: str | Fabric = "cotton",
-    vertices: int = VERTICES,
+    vertices: int = DEFAULT_VERTICES,
     tucked: bool = False,
     made_for: float | None = None,
     settings: SolverSettings | None = None,
     watch: Watch | None = None,
-) -> Worn:
+) -> DrapedGarment:
     """Put a garment on a body and let it come to rest; same bits on every run.
 
-    The garment is moved to where the body wears it (`stand`), cut into triangles and sewn (`mesh`),
-    and simulated (`solver`), one connected piece of clothing over the other (`items`).
+    The garment is moved to where the body wears it (`start.placement`), cut into triangles and sewn
+    (`mesh`), and simulated (`solver`), one item of clothing over the other (`components`).
 
     Args:
         pattern: a garment that passes `check_pattern`.
@@ -62,21 +62,21 @@ def drape_pattern(
         made_for: stature that the pattern was made for [cm]; the garment is then scaled to the
             body's.
         settings: of the simulation.
-        watch: is called every few frames of each piece of clothing, see `solve`.
+        watch: called every few frames of each item of clothing, see `solve`.
 
     Returns:
-        The garment on the body. Look at `report.faults`, or call `check_worn`: a drape that went
-        wrong is returned too.
+        The garment on the body. Look at `report.faults`, or call `check_drape`: a failed drape
+        is returned, too.
 
     Raises:
         DrapeError: a pattern that nothing would hold on a body, as its panels are not sewn or all
             lie in one plane, that has no place or is in other units (`placement_findings`), or
             that cannot be cut into triangles.
-        DraftError: there is no body of that name, or `made_for` is no stature.
+        DraftError: there is no body of that name, or `made_for` is out of range.
         TypeError: an argument is of another type.
     """
     check_type(pattern, Pattern, "garmentimage.load_pattern reads one from a file")
-    check_type(vertices, int, "say about how many the cloth shall have")
+    check_type(vertices, int, "give the approximate number of vertices")
     began = time.perf_counter()
     fabric = load_fabric(fabric) if isinstance(fabric, str) else fabric
     check_type(fabric, Fabric, "name one, such as 'cotton'")
@@ -86,60 +86,61 @@ def drape_pattern(
     check_placed(pattern)
     _check_surrounding(pattern)
     body = wearer(best_fit([pattern], made_for=made_for).body if body == AUTO else body)
-    placed, standings = standing(pattern, body, made_for=made_for)
+    placed, placements = place_on_body(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
-    start = start_points(cloth, body, standings)
+    start = start_points(cloth, body, placements)
     points, motions = start.copy(), []
     field: DistanceField = body_field(body)
-    worn_items = items(cloth, start, body, standings, tucked=tucked)
-    rest = drawn_together(rest_of(cloth), worn_items)
-    band = max((float(i.level.mean()) for i in worn_items if len(i.held)), default=None)
-    for item in worn_items:
+    items = garment_items(cloth, start, body, placements, tucked=tucked)
+    rest = with_elastics(rest_of(cloth), items)
+    band = max((float(i.level.mean()) for i in items if len(i.pinned)), default=None)
+    for item in items:
         part = rest.part(item.vertices)
-        if tucked and band is not None and item.standing.held is Held.SHOULDERS:
-            part = tucked_in(part, start[item.vertices], body, band)
+        if tucked and band is not None and item.placement.site is SupportSite.SHOULDERS:
+            part = tuck_in(part, start[item.vertices], body, band)
         motion = solve(
             part,
             start[item.vertices],
             field,
             fabric,
             attachment=_belt(item),
-            with_friction=np.searchsorted(item.vertices, item.resting),
+            with_friction=np.searchsorted(item.vertices, item.over_shoulders),
             settings=settings,
             watch=watch,
         )
         points[item.vertices] = motion.points
         motions.append(motion)
-        if item is not worn_items[-1]:
+        if item is not items[-1]:
             field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
-    report = judge(
+    report = assess_drape(
         cloth,
         rest,
         start,
         points,
         body,
-        worn_items,
+        items,
         tuple(motions),
         seconds=time.perf_counter() - began,
     )
-    return Worn(cloth, points, body, report)
+    return DrapedGarment(cloth, points, body, report)
 
 
-def check_worn(worn: Worn) -> None:
-    """Refuse a drape that went wrong.
+def check_drape(garment: DrapedGarment) -> None:
+    """Refuse a failed drape.
 
     Raises:
-        DrapeError: says all faults.
+        DrapeError: lists all faults.
     """
-    if worn.report.faults:
+    if garment.report.faults:
+        name = garment.cloth.pattern.name or "the garment"
         raise DrapeError(
-            f"the drape of {worn.cloth.pattern.name or 'the garment'} on {worn.body.name} failed: "
-            + "; ".join(worn.report.faults)
+            f"the drape of {name} on {garment.body.name} failed: "
+            + "; ".join(garment.report.faults)
         )
 
 
 def _check_sewn(pattern: Pattern) -> None:
-    """Refuse a pattern with a piece that no stitch holds."""
+    """Refuse a pattern with an item that no stitch holds."""
     name = pattern.name or "the pattern"
     if not pattern.stitches:
         poncho = len(pattern.panels) == 1 and pattern.panels[0].holes
@@ -151,7 +152,7 @@ def _check_sewn(pattern: Pattern) -> None:
                 else "sew its panels first"
             )
         )
-    for part in parts(pattern):
+    for part in connected_garments(pattern):
         first = quoted(part.panels[0].name)
         if not part.stitches:
             raise DrapeError(
@@ -164,7 +165,7 @@ def _check_sewn(pattern: Pattern) -> None:
 def _check_surrounding(pattern: Pattern) -> None:
     """Refuse clothes whose panels all lie on one side of the body."""
     name = pattern.name or "the pattern"
-    for part in parts(pattern):
+    for part in connected_garments(pattern):
         first = quoted(part.panels[0].name)
         points = np.concatenate([p.to_world(p.outline.polygon) for p in part.panels])
         if np.ptp(points[:, 2]) >= ONE_PLANE:
@@ -195,11 +196,11 @@ def check_placed(pattern: Pattern) -> None:
         raise DrapeError(f"{name} cannot be put on a body: {finding}")
 
 
-def _belt(item: Item) -> Attachment | None:
+def _belt(item: GarmentItem) -> Attachment | None:
     """Holds an item up where nothing else does; free to move sideways."""
-    if not len(item.held):
+    if not len(item.pinned):
         return None
-    own = np.searchsorted(item.vertices, item.held)
+    own = np.searchsorted(item.vertices, item.pinned)
     targets, stiffness = np.zeros((2, len(own), 3))
     targets[:, 1], stiffness[:, 1] = item.level, BELT_STIFFNESS
     return Attachment(own, targets, stiffness, BELT_PULL / len(own))

@@ -5,18 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from garmentimage.drape.components import Item
+from garmentimage.drape.components import GarmentItem
 from garmentimage.drape.mesh import Rest
 
 
-def drawn_together(rest: Rest, items: Sequence[Item]) -> Rest:
-    """The cloth with its held edges as long as their belts; what hangs below has to fold."""
+def with_elastics(rest: Rest, items: Sequence[GarmentItem]) -> Rest:
+    """The cloth with its pinned edges as long as their belts; what hangs below has to fold."""
     length = rest.length
     for item in items:
-        standing = item.standing
-        if 0 < standing.drawn_to < standing.length:
+        placement = item.placement
+        if 0 < placement.drawn_length < placement.length:
             on = np.zeros(len(rest.vertex_area), bool)
             on[item.top] = True
             along = on[rest.edges].all(axis=1)
-            length = np.where(along, length * (standing.drawn_to / standing.length), length)
+            length = np.where(along, length * (placement.drawn_length / placement.length), length)
     return rest if length is rest.length else replace(rest, length=length)

@@ -15,7 +15,7 @@ _LIMITS = {
     "thickness": (0.05, 2.0, "cm"),
     "damping": (0.0, 100.0, "1/s"),
 }
-"""Least and greatest of what a cloth can be, far beyond any that is worn."""
+"""Bounds of each property with its unit, far beyond any real cloth."""
 
 
 @dataclass(frozen=True)

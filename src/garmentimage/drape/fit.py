@@ -15,8 +15,8 @@ from jaxtyping import Float, Int
 from garmentimage.body import Body, girth, load_body, outline_at, stand_straight
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.mesh import mesh
-from garmentimage.drape.start import standing, start_points
-from garmentimage.drape.support import Held
+from garmentimage.drape.start import place_on_body, start_points
+from garmentimage.drape.support import SupportSite
 from garmentimage.errors import DrapeError, quoted
 from garmentimage.pattern import Pattern, without_stubs
 
@@ -47,9 +47,9 @@ ORDER = (
 )
 """Shipped bodies in the order in which they are tried: the templates of others are drawn for
 women."""
-GIVES = 0.03
-"""Cloth may be shorter than the body by this share: it stretches and no one minds."""
-HOLDS = 0.12
+STRETCH_ALLOWANCE = 0.03
+"""Cloth may be shorter than the body by this share: it stretches without being felt."""
+SUPPORT_ALLOWANCE = 0.12
 """What is held by waist or chest may be longer than the body by this share there."""
 BODIES_KEPT = 16
 """Bodies whose tapes are remembered."""
@@ -230,16 +230,16 @@ def _goes_round(segments: Float[np.ndarray, "segment 2 3"], tape: Tape) -> bool:
 def fit_on(cloth: Cloth, name: str, *, made_for: float | None = None, pose: str = "t") -> Fit:
     """How a garment fits a shipped body, without being draped."""
     body = stand_straight(load_body(name, pose))
-    placed, stood = standing(cloth.pattern, body, made_for=made_for)
-    found = girths(cloth, start_points(replace(cloth, pattern=placed), body, stood), body)
-    edges = [s.length for s in stood if s.held is Held.WAIST and s.length > 0]
+    placed, placements = place_on_body(cloth.pattern, body, made_for=made_for)
+    found = girths(cloth, start_points(replace(cloth, pattern=placed), body, placements), body)
+    edges = [s.length for s in placements if s.site is SupportSite.WAIST and s.length > 0]
     if edges:
         # A band may begin just over the tape or just under it.
         waist = Girth("waist", min(edges), tapes(body)["waist"].girth)
         found = (waist, *(g for g in found if g.place != "waist"))
-    tight = sum(max(g.missing - GIVES, 0.0) for g in found)
-    held = [s for s in stood if s.held is not Held.SHOULDERS]
-    loose = sum(max(s.length / s.girth - 1 - HOLDS, 0.0) for s in held)
+    tight = sum(max(g.missing - STRETCH_ALLOWANCE, 0.0) for g in found)
+    held = [s for s in placements if s.site is not SupportSite.SHOULDERS]
+    loose = sum(max(s.length / s.girth - 1 - SUPPORT_ALLOWANCE, 0.0) for s in held)
     return Fit(name, found, tight, loose)
 
 
@@ -251,12 +251,12 @@ def best_fit(patterns: Sequence[Pattern], *, made_for: float | None = None, pose
 
     Args:
         patterns: garments that are worn together.
-        made_for: stature that they were made for [cm]; see `standing`.
+        made_for: stature that they were made for [cm]; see `place_on_body`.
         pose: of the bodies.
 
     Raises:
         DrapeError: a panel cannot be cut into triangles.
-        DraftError: `made_for` is no stature.
+        DraftError: `made_for` is out of range.
     """
     if not patterns:
         raise DrapeError("there is no garment to choose a body for")

@@ -30,7 +30,7 @@ def shoulder(body: Body) -> Float[np.ndarray, " 3"]:
 
 
 @lru_cache(maxsize=BODIES_KEPT)
-def drawn_over(body: Body) -> float:
+def shoulder_seam_rise(body: Body) -> float:
     """How far over the neck points shoulder seams begin that are drawn for this body [cm].
 
     A back that is drawn flat from the waist up ends higher than the body, as its length goes along

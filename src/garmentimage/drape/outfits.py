@@ -7,7 +7,7 @@ from garmentimage.body import Body, wearer
 from garmentimage.drape.draping import check_placed
 from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.mesh import check_size
-from garmentimage.drape.start import standing
+from garmentimage.drape.start import place_on_body
 from garmentimage.pattern import Panel, Pattern, Side, Stitch
 
 
@@ -21,11 +21,11 @@ def outfit(
 
     Args:
         patterns: at least one garment.
-        body: who wears them; see `drape`.
-        made_for: stature that all of them were made for [cm]; see `standing`.
+        body: who wears them; see `drape_pattern`.
+        made_for: stature that all of them were made for [cm]; see `place_on_body`.
 
     Raises:
-        DraftError: `made_for` is no stature.
+        DraftError: `made_for` is out of range.
         DrapeError: one of them is too large to be draped, or nobody can say where on a body it
             belongs.
     """
@@ -36,7 +36,7 @@ def outfit(
     stitches: list[Stitch] = []
     for pattern in patterns:
         check_placed(pattern)
-        placed, _ = standing(pattern, body, made_for=made_for)
+        placed, _ = place_on_body(pattern, body, made_for=made_for)
         taken = {panel.name for panel in panels}
         names: dict[str, str] = {}
         for panel in placed.panels:

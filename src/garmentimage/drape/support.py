@@ -1,11 +1,11 @@
-"""What holds a garment up, told from what it is and not from where its file puts it.
+"""What holds a garment up, recognised by its shape and not by its place in the file.
 
 1. A garment that arms leave through openings of their own hangs from the **shoulders**; so does a
    poncho, whose seams face up like those of a circle skirt, but whose top edge is shorter.
 2. Any other hangs from the **waist** or, as a strapless dress, from the **chest**: the panels at
    its top are named, its crotch lies nearer or farther below its top, its top edge is too short
    for the chest, or it widens at once, or it is narrow where the waist lies.
-3. Where none of that tells them apart, the height in its file does, and that is not sure.
+3. Where none of that decides, the height in its file does, which is not certain.
 """
 
 import re
@@ -20,9 +20,9 @@ from garmentimage.drape.girths import bust_height, chest_level, girth, waist_hei
 from garmentimage.drape.world_panels import (
     FACING,
     Opening,
-    Piece,
     Points,
     WorldEdge,
+    WorldPanel,
     band_height,
     crotch_of,
     girth_at,
@@ -37,8 +37,8 @@ BOTTOM = re.compile(r"skirt|pant|trouser|waist|(^|_)wb(_|$)|leg(_|$)|shorts", re
 TOP = re.compile(r"torso|bodice|bust|chest|dress|corset|strapless|bandeau", re.IGNORECASE)
 """Names of panels whose top edge is worn at the chest."""
 TOO_SHORT_AT_WAIST = 0.88
-"""Without armholes, seams that face up are those of a circle skirt, whose top edge is no shorter
-than this share of the waist, or of a poncho."""
+"""Without armholes, seams that face up are those of a circle skirt, whose top edge is at
+least this share of the waist, or of a poncho."""
 TOP_BAND = 8.0
 """Edges whose tops are within this of the highest are at the top together [cm]."""
 TOO_SHORT = 0.92
@@ -55,7 +55,7 @@ HEM = 3.0
 """Edges that are curved keep within this of their height at the sides [cm]."""
 
 
-class Held(Enum):
+class SupportSite(Enum):
     """What holds a garment up."""
 
     SHOULDERS = "shoulders"
@@ -73,14 +73,14 @@ class Seam:
 
 
 @dataclass(frozen=True, eq=False)
-class Hold:
+class Support:
     """What holds a garment up, and how that is known."""
 
-    held: Held
-    why: str
-    """How it was told, as a clause."""
-    sure: bool
-    """Whether the garment itself tells; else the height in its file did."""
+    site: SupportSite
+    reason: str
+    """How it was recognised, as a clause."""
+    is_certain: bool
+    """Whether the garment itself shows it; otherwise the height in its file did."""
     edges: tuple[WorldEdge, ...]
     """The free edges at its top."""
     seams: tuple[Seam, ...]
@@ -89,17 +89,17 @@ class Hold:
     """Height of its crotch [cm]."""
 
 
-def hold_of(pattern: Pattern, pieces: Mapping[str, Piece], body: Body) -> Hold:
+def find_support(pattern: Pattern, panels: Mapping[str, WorldPanel], body: Body) -> Support:
     """What holds up a garment that is all sewn together."""
-    openings = openings_of(pattern, pieces)
-    highest = max(float(e.points[:, 1].max()) for p in pieces.values() for e in p.edges)
-    crotch = crotch_of(pattern, pieces, highest)
+    openings = openings_of(pattern, panels)
+    highest = max(float(e.points[:, 1].max()) for p in panels.values() for e in p.edges)
+    crotch = crotch_of(pattern, panels, highest)
     edges = _top_edges(openings)
-    seams = _shoulder_seams(pattern, pieces)
+    seams = _shoulder_seams(pattern, panels)
     arms = _arms(openings, crotch)
-    if arms and (seams or any(not piece.on_trunk for piece in pieces.values())):
-        why = "arms leave it through openings of their own"
-        return Hold(Held.SHOULDERS, why, True, edges, seams, crotch)
+    if arms and (seams or any(not panel.on_trunk for panel in panels.values())):
+        reason = "arms leave it through openings of their own"
+        return Support(SupportSite.SHOULDERS, reason, True, edges, seams, crotch)
     named = _named(pattern, edges)
     length = sum(edge.length for edge in edges)
     if (
@@ -107,14 +107,14 @@ def hold_of(pattern: Pattern, pieces: Mapping[str, Piece], body: Body) -> Hold:
         and seams
         and 0 < length < TOO_SHORT_AT_WAIST * girth(body, waist_height(body))
     ):
-        why = f"its seams face up and its top edge of {length:.0f} cm is too short for the waist"
-        return Hold(Held.SHOULDERS, why, False, edges, seams, crotch)
-    held, why, sure = named or _waist_or_chest(pattern, pieces, edges, crotch, body)
-    return Hold(held, why, sure, edges, (), crotch)
+        reason = f"its seams face up and its top edge of {length:.0f} cm is too short for the waist"
+        return Support(SupportSite.SHOULDERS, reason, False, edges, seams, crotch)
+    site, reason, is_certain = named or _waist_or_chest(pattern, panels, edges, crotch, body)
+    return Support(site, reason, is_certain, edges, (), crotch)
 
 
 def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
-    """One-sided openings that are no trouser legs.
+    """One-sided openings that are not trouser legs.
 
     Legs are the lowest on each side, where there is a crotch and no hem round both.
     """
@@ -131,14 +131,14 @@ def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
     return [o for o in sided if o not in legs]
 
 
-def _shoulder_seams(pattern: Pattern, pieces: Mapping[str, Piece]) -> tuple[Seam, ...]:
+def _shoulder_seams(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> tuple[Seam, ...]:
     """The highest seams between front and back of the trunk that face up."""
-    found, middle = [], middle_depth(pieces)
+    found, middle = [], middle_depth(panels)
     for stitch in pattern.stitches:
-        a, b = (pieces[side.panel] for side in stitch.sides)
+        a, b = (panels[side.panel] for side in stitch.sides)
         if (a.centre[2] - middle) * (b.centre[2] - middle) >= 0:
             continue
-        sides = [pieces[side.panel].edges[side.edge] for side in stitch.sides]
+        sides = [panels[side.panel].edges[side.edge] for side in stitch.sides]
         if a.on_trunk and b.on_trunk and all(edge.faces_up for edge in sides):
             found.append(Seam(stitch.sides, np.concatenate([edge.points for edge in sides])))
     highest = max((float(seam.points[:, 1].max()) for seam in found), default=0.0)
@@ -158,55 +158,61 @@ def _top_edges(openings: Sequence[Opening]) -> tuple[WorldEdge, ...]:
     return tuple(edge for edge in high if edge.points[:, 1].max() > highest - TOP_BAND)
 
 
-def _named(pattern: Pattern, edges: Sequence[WorldEdge]) -> tuple[Held, str, bool] | None:
-    """What the names of the panels at the top tell, if they do."""
+def _named(pattern: Pattern, edges: Sequence[WorldEdge]) -> tuple[SupportSite, str, bool] | None:
+    """What the names of the panels at the top say, if they do."""
     panels = [pattern.by_name[name] for name in dict.fromkeys(e.side.panel for e in edges)]
     named = [p.name for p in panels if BOTTOM.search(p.name) or p.label == "leg"]
     if named:
-        return Held.WAIST, f"panel {named[0][:40]!r} at its top is named for the waist", True
+        return SupportSite.WAIST, f"panel {named[0][:40]!r} at its top is named for the waist", True
     named = [p.name for p in panels if TOP.search(p.name)]
     if named:
-        return Held.CHEST, f"panel {named[0][:40]!r} at its top is named for the chest", True
+        return SupportSite.CHEST, f"panel {named[0][:40]!r} at its top is named for the chest", True
     return None
 
 
 def _waist_or_chest(
     pattern: Pattern,
-    pieces: Mapping[str, Piece],
+    panels: Mapping[str, WorldPanel],
     edges: tuple[WorldEdge, ...],
     crotch: float | None,
     body: Body,
-) -> tuple[Held, str, bool]:
+) -> tuple[SupportSite, str, bool]:
     waist, bust = waist_height(body), bust_height(body)
     top = mean_height(edges) if edges else 0.0
     height = top + floor_shift(pattern)
-    in_file = Held.WAIST if height < (waist + bust) / 2 else Held.CHEST
+    in_file = SupportSite.WAIST if height < (waist + bust) / 2 else SupportSite.CHEST
     length = sum(e.length for e in edges)
     if edges and length < TOO_SHORT * girth(body, bust):
-        return Held.WAIST, f"its top edge of {length:.0f} cm is too short for the chest", True
+        return (
+            SupportSite.WAIST,
+            f"its top edge of {length:.0f} cm is too short for the chest",
+            True,
+        )
     if edges and crotch is not None:
         rise, least = top - crotch, chest_level(body) - float(body.landmarks["crotch"][1])
-        why = f"its crotch lies {rise:.0f} cm below its top edge"
+        reason = f"its crotch lies {rise:.0f} cm below its top edge"
         if rise < CROTCH_TO_CHEST * least:
-            return Held.WAIST, why, True
+            return SupportSite.WAIST, reason, True
         # A low crotch, else.
-        return in_file, why, in_file is Held.CHEST
-    if edges and girth_at(pieces, top - FLARED_BELOW) > FLARED * length:
-        return Held.WAIST, "it widens at once below its top edge", True
-    if 0 < band_height(pattern, pieces, edges) <= BAND:
-        return Held.WAIST, "it has a waistband", True
-    narrow = _narrowest(pieces, edges, top)
+        return in_file, reason, in_file is SupportSite.CHEST
+    if edges and girth_at(panels, top - FLARED_BELOW) > FLARED * length:
+        return SupportSite.WAIST, "it widens at once below its top edge", True
+    if 0 < band_height(pattern, panels, edges) <= BAND:
+        return SupportSite.WAIST, "it has a waistband", True
+    narrow = _narrowest(panels, edges, top)
     if narrow is not None:
-        return Held.CHEST, f"it narrows to {narrow:.0f} cm below its top edge", True
+        return SupportSite.CHEST, f"it narrows to {narrow:.0f} cm below its top edge", True
     return in_file, f"its top edge lies {height:.0f} cm over the floor in its file", False
 
 
-def _narrowest(pieces: Mapping[str, Piece], edges: Sequence[WorldEdge], top: float) -> float | None:
+def _narrowest(
+    panels: Mapping[str, WorldPanel], edges: Sequence[WorldEdge], top: float
+) -> float | None:
     """How wide the panels at the top are where they are narrow as at a waist [cm], if they are.
 
     Others may lie apart from them in the file, with gaps between.
     """
-    upper = {edge.side.panel: pieces[edge.side.panel] for edge in edges}
+    upper = {edge.side.panel: panels[edge.side.panel] for edge in edges}
     heights = {n: np.concatenate([e.points[:, 1] for e in p.edges]) for n, p in upper.items()}
     lowest = max((float(y.min()) for y in heights.values()), default=top)
     levels = np.arange(top - WAIST_BELOW[0], max(top - WAIST_BELOW[1], lowest + HEM), -2.0)

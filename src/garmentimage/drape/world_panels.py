@@ -1,4 +1,4 @@
-"""Panels in the world: what a pattern tells of a garment before it is cloth.
+"""Panels in the world: what a pattern says about a garment before it is cloth.
 
 Words of this file:
 
@@ -24,7 +24,7 @@ from garmentimage.pattern.checks import components
 NEAR_AXIS = 8.0
 """A panel that comes nearer than this to the middle [cm] belongs to the trunk; sleeves do not."""
 MIDDLE = 3.0
-"""A panel whose middle is no further than this from the plane of symmetry [cm] is on no side."""
+"""A panel whose middle lies within this of the plane of symmetry [cm] is on neither side."""
 OVER_MIDDLE = 0.15
 """A one-sided opening goes over the middle by this share of its reach at most."""
 FACING = 0.5
@@ -54,10 +54,11 @@ class WorldEdge:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class WorldPanel:
     """A panel in the world."""
 
-    panel: Panel
+    flat: Panel
+    """As it is drawn."""
     edges: tuple[WorldEdge, ...]
     """Numbered as the panel's: outer loop first, then holes."""
     centre: Float[np.ndarray, " 3"]
@@ -100,12 +101,12 @@ def mean_height(edges: Sequence[WorldEdge]) -> float:
     return float(np.average(heights, weights=[max(e.length, 1e-9) for e in edges]))
 
 
-def pieces_of(pattern: Pattern) -> Mapping[str, Piece]:
+def panels_in_world(pattern: Pattern) -> Mapping[str, WorldPanel]:
     """Every panel in the world, by name."""
-    return {panel.name: _piece(panel) for panel in pattern.panels}
+    return {panel.name: _world_panel(panel) for panel in pattern.panels}
 
 
-def _piece(panel: Panel) -> Piece:
+def _world_panel(panel: Panel) -> WorldPanel:
     matrix = panel.matrix
     middle = len(SHARES) // 2
     edges: list[WorldEdge] = []
@@ -121,11 +122,13 @@ def _piece(panel: Panel) -> Piece:
             points = flat @ matrix[:, :2].T + panel.translation
             edges.append(WorldEdge(Side(panel.name, len(edges)), points, curve.length, up))
     points = np.concatenate([e.points for e in edges])
-    return Piece(panel, tuple(edges), (points.min(0) + points.max(0)) / 2, abs(panel.outline.area))
+    return WorldPanel(
+        panel, tuple(edges), (points.min(0) + points.max(0)) / 2, abs(panel.outline.area)
+    )
 
 
-def parts(pattern: Pattern) -> list[Pattern]:
-    """The pieces of clothing of a pattern that are not sewn to each other, in the file's order."""
+def connected_garments(pattern: Pattern) -> list[Pattern]:
+    """The items of clothing of a pattern, each all sewn together, in the order of the file."""
     found = []
     for names in components(pattern):
         own = set(names)
@@ -135,7 +138,7 @@ def parts(pattern: Pattern) -> list[Pattern]:
     return found
 
 
-def openings_of(pattern: Pattern, pieces: Mapping[str, Piece]) -> list[Opening]:
+def openings_of(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> list[Opening]:
     """The openings of a garment."""
     root: dict[Any, Any] = {}
     for panel in pattern.panels:
@@ -149,7 +152,7 @@ def openings_of(pattern: Pattern, pieces: Mapping[str, Piece]) -> list[Opening]:
     for stitch in pattern.stitches:
         for end in (0, 1):
             _join(root, (stitch.a, end), (stitch.b, end if stitch.same_direction else 1 - end))
-    free = [e for p in pieces.values() for e in p.edges if e.side not in pattern.partners]
+    free = [e for p in panels.values() for e in p.edges if e.side not in pattern.partners]
     line: dict[Any, Any] = {}
     for edge in free:
         _join(line, _find(root, (edge.side, 0)), _find(root, (edge.side, 1)))
@@ -171,77 +174,79 @@ def _join(root: dict[Any, Any], a: Any, b: Any) -> None:
     root[_find(root, b)] = _find(root, a)
 
 
-def crotch_of(pattern: Pattern, pieces: Mapping[str, Piece], top: float) -> float | None:
+def crotch_of(pattern: Pattern, panels: Mapping[str, WorldPanel], top: float) -> float | None:
     """Height of the lowest crotch corner under `top` [cm]; None where there is none.
 
     An inseam joins front and back of one leg. Hems and waists have no such corner.
     """
     heights = []
-    for piece in pieces.values():
-        count = len(piece.panel.outline.edges)
-        kinds = [_joins(pattern, pieces, edge.side) for edge in piece.edges[:count]]
-        for k, edge in enumerate(piece.edges[:count]):
+    for panel in panels.values():
+        count = len(panel.flat.outline.edges)
+        kinds = [_joins(pattern, panels, edge.side) for edge in panel.edges[:count]]
+        for k, edge in enumerate(panel.edges[:count]):
             if {kinds[k - 1], kinds[k]} == {"sides", "inseam"}:
                 heights.append(float(edge.points[0, 1]))
     return min((y for y in heights if y < top), default=None)
 
 
-def _joins(pattern: Pattern, pieces: Mapping[str, Piece], side: Side) -> str:
+def _joins(pattern: Pattern, panels: Mapping[str, WorldPanel], side: Side) -> str:
     """What an edge is sewn to: across the "sides" of the wearer, by an "inseam", or else."""
     partner = pattern.partners.get(side)
     if partner is None:
         return "nothing"
-    (x, _, z), (u, _, w) = pieces[side.panel].centre, pieces[partner.panel].centre
+    (x, _, z), (u, _, w) = panels[side.panel].centre, panels[partner.panel].centre
     if x * u < 0 and min(abs(x), abs(u)) > MIDDLE:
         return "sides"
-    middle = middle_depth(pieces)
+    middle = middle_depth(panels)
     return "inseam" if (z - middle) * (w - middle) < 0 else "other"
 
 
-def middle_depth(pieces: Mapping[str, Piece]) -> float:
+def middle_depth(panels: Mapping[str, WorldPanel]) -> float:
     """Depth halfway between the panels that are furthest in front and behind [cm]."""
-    depths = [float(piece.centre[2]) for piece in pieces.values()]
+    depths = [float(panel.centre[2]) for panel in panels.values()]
     return (min(depths) + max(depths)) / 2
 
 
-def girth_at(pieces: Mapping[str, Piece], height: float) -> float:
+def girth_at(panels: Mapping[str, WorldPanel], height: float) -> float:
     """How wide the panels are at a height, all together [cm]."""
     total = 0.0
-    for piece in pieces.values():
-        points = piece.panel.to_world(piece.panel.outline.polygon)
+    for panel in panels.values():
+        points = panel.flat.to_world(panel.flat.outline.polygon)
         a, b = points, np.roll(points, -1, axis=0)
         crosses = (a[:, 1] > height) != (b[:, 1] > height)
         share = (height - a[crosses, 1]) / (b[crosses, 1] - a[crosses, 1])
         hits = a[crosses] + share[:, None] * (b[crosses] - a[crosses])
-        normal = piece.panel.matrix[:, 2]
+        normal = panel.flat.matrix[:, 2]
         along = np.sort(hits @ [normal[2], 0.0, -normal[0]])
         total += float((along[1::2] - along[::2]).sum())
     return total
 
 
-def band_height(pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]) -> float:
+def band_height(
+    pattern: Pattern, panels: Mapping[str, WorldPanel], edges: Sequence[WorldEdge]
+) -> float:
     """How high the panels are that end in these edges above, and are sewn to others below [cm].
 
     0 where one of them is not sewn to others below.
     """
     names = dict.fromkeys(edge.side.panel for edge in edges)
-    if any(not any(_goes_down(pattern, e, names) for e in pieces[n].edges) for n in names):
+    if any(not any(_goes_down(pattern, e, names) for e in panels[n].edges) for n in names):
         return 0.0
-    below = {n: [e for e in pieces[n].edges if _goes_down(pattern, e, names)] for n in names}
+    below = {n: [e for e in panels[n].edges if _goes_down(pattern, e, names)] for n in names}
     above = {n: [e for e in edges if e.side.panel == n] for n in names}
     # Curved bands are as high as they are wide in the mean.
     heights = [
-        2 * pieces[n].area / max(sum(e.length for e in (*above[n], *below[n])), 1e-9) for n in names
+        2 * panels[n].area / max(sum(e.length for e in (*above[n], *below[n])), 1e-9) for n in names
     ]
     return max(heights, default=0.0)
 
 
 def below_band(
-    pattern: Pattern, pieces: Mapping[str, Piece], edges: Sequence[WorldEdge]
+    pattern: Pattern, panels: Mapping[str, WorldPanel], edges: Sequence[WorldEdge]
 ) -> tuple[WorldEdge, ...]:
     """The lower edges of the waistband that ends in these edges above."""
     names = dict.fromkeys(edge.side.panel for edge in edges)
-    return tuple(e for n in names for e in pieces[n].edges if _goes_down(pattern, e, names))
+    return tuple(e for n in names for e in panels[n].edges if _goes_down(pattern, e, names))
 
 
 def seam_length(pattern: Pattern, edge: WorldEdge) -> float:

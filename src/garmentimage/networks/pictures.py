@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import UInt8
 
-from garmentimage.drape import Worn, drape_pattern
+from garmentimage.drape import DrapedGarment, drape_pattern
 from garmentimage.errors import GarmentImageError
 from garmentimage.networks.decoded import Step
 from garmentimage.render import FAINT, INK, PAPER, picture_bytes, printable
@@ -36,7 +36,7 @@ class Shown:
 
     title: str
     step: Step
-    worn: Worn | None
+    worn: DrapedGarment | None
     """None where it cannot be draped."""
     faults: tuple[str, ...]
     """Why it cannot be sewn or worn; empty where it can."""

@@ -1,6 +1,6 @@
 from .bodice import (
     BelowWaist as BelowWaist,
-    Block as Block,
+    BodiceBlock as BodiceBlock,
     BodiceDesign as BodiceDesign,
     CutoutDesign as CutoutDesign,
     HemDesign as HemDesign,

@@ -123,7 +123,7 @@ the side seam. It ends at the waist, or anywhere below the armpit."""
 
 
 @dataclass(frozen=True)
-class Block:
+class BodiceBlock:
     """The lines of a bodice on one body, before front and back part."""
 
     body: BodyMeasurements
@@ -209,7 +209,7 @@ class Block:
         return x + along * dx, y + along * dy
 
 
-def below_waist(block: Block, hem: HemDesign, drop: float) -> BelowWaist:
+def below_waist(block: BodiceBlock, hem: HemDesign, drop: float) -> BelowWaist:
     """Down to a hem at `drop` cm below the waist (above it where negative)."""
 
     def half(side: str) -> Outline:
@@ -228,7 +228,7 @@ def below_waist(block: Block, hem: HemDesign, drop: float) -> BelowWaist:
     return half
 
 
-def side_below_waist(block: Block, corner: Point, flare: float) -> Outline:
+def side_below_waist(block: BodiceBlock, corner: Point, flare: float) -> Outline:
     """The side seam from the hem's corner up to the waist; nothing where the hem is near it."""
     (wx, wy), (hx, hy), y = block.waist, block.hip, corner[1]
     if y > wy - SHORT_PIECE:
@@ -252,13 +252,13 @@ def hem_curve(middle: Point, corner: Point, slope: float) -> Curve:
     return Bezier(middle, (control,), corner)
 
 
-def to_waist(block: Block) -> BelowWaist:
+def to_waist(block: BodiceBlock) -> BelowWaist:
     """Nothing below the waist: its edge is sewn to a skirt or to trousers."""
     return lambda _: lines("waist", (0.0, 0.0), block.waist)
 
 
 def half_bodice(
-    block: Block, below: BelowWaist, facing: str, side: str, darts: DartDesign | None
+    block: BodiceBlock, below: BelowWaist, facing: str, side: str, darts: DartDesign | None
 ) -> Outline:
     """A half from the lower end of the middle line round to the neck."""
     lower = below(side)
@@ -274,7 +274,7 @@ def half_bodice(
 
 
 def trunk(
-    block: Block,
+    block: BodiceBlock,
     below: BelowWaist,
     facing: str,
     *,
@@ -300,7 +300,7 @@ def trunk(
     return tuple(panels)
 
 
-def cutout_holes(block: Block, design: CutoutDesign) -> tuple[Loop, ...]:
+def cutout_holes(block: BodiceBlock, design: CutoutDesign) -> tuple[Loop, ...]:
     """The hole of a cut-out, clockwise.
 
     Raises:
@@ -330,7 +330,7 @@ def cutout_holes(block: Block, design: CutoutDesign) -> tuple[Loop, ...]:
     return (loop_from_curves(quarters),)
 
 
-def upper_half(block: Block, facing: str, start: Point) -> Outline:
+def upper_half(block: BodiceBlock, facing: str, start: Point) -> Outline:
     """A half from the side seam up to the middle of the neck."""
     (x, y), (ax, ay) = start, block.armpit
     if abs(x - ax) < STRAIGHT_HEM:
@@ -345,7 +345,7 @@ def upper_half(block: Block, facing: str, start: Point) -> Outline:
     )
 
 
-def armhole(block: Block, facing: str) -> Bezier:
+def armhole(block: BodiceBlock, facing: str) -> Bezier:
     """The armhole of a half, from the armpit up to the shoulder.
 
     It leaves the side seam level, meets the shoulder seam at a right angle, and is hollowed out to
@@ -364,7 +364,7 @@ def armhole(block: Block, facing: str) -> Bezier:
     return Bezier((ax, ay), ((lower_x, ay), upper), (sx, sy))
 
 
-def front_neck(block: Block) -> Outline:
+def front_neck(block: BodiceBlock) -> Outline:
     """The front neckline of a half, from the shoulder to the middle."""
     (x, y), depth, shape = block.strap, block.neck.neck_depth, block.neck.neckline
     low = y - depth
@@ -380,7 +380,7 @@ def front_neck(block: Block) -> Outline:
     return (NamedCurve("neck", curve),)
 
 
-def back_neck(block: Block) -> Outline:
+def back_neck(block: BodiceBlock) -> Outline:
     """The back neckline of a half, from the shoulder to the middle."""
     (x, y), depth = block.strap, block.neck.back_neck_depth
     low = y - depth

@@ -24,7 +24,7 @@ from garmentimage.draft.panel import (
     scaled,
 )
 from garmentimage.draft.parameters import parameter
-from garmentimage.draft.parts.bodice import Block
+from garmentimage.draft.parts.bodice import BodiceBlock
 from garmentimage.geometry import Bezier
 
 BACK_NECK_CURVE = Bezier((-1.0, 0.1), ((-0.5, 0.0),), (0.0, 0.0))
@@ -50,7 +50,7 @@ class HoodDesign:
 
 
 def add_hood(
-    garment: Assembly, block: Block, necks: dict[tuple[str, str], Seam], design: HoodDesign
+    garment: Assembly, block: BodiceBlock, necks: dict[tuple[str, str], Seam], design: HoodDesign
 ) -> None:
     """Sew a hood to the neckline.
 

@@ -32,7 +32,7 @@ from garmentimage.draft.panel import (
     plus_side,
 )
 from garmentimage.draft.parameters import choice, parameter
-from garmentimage.draft.parts.bodice import Block, armhole
+from garmentimage.draft.parts.bodice import BodiceBlock, armhole
 from garmentimage.errors import DraftError
 from garmentimage.geometry import Bezier
 
@@ -40,7 +40,7 @@ CROWN_HANDLE = 0.55
 """How far the cap runs level from its crown, as a share of its width."""
 UNDERARM_HANDLE = {FRONT: 0.5, BACK: 0.42}
 """How far it runs level into the underarm; the front is hollowed out more."""
-SHORTEST_UNDERARM = 3.0
+MIN_UNDERARM = 3.0
 """Least length of the underarm seam [cm]."""
 CUFF_EASE = 4.0
 """How much wider a cuff is than the arm [cm]."""
@@ -96,7 +96,7 @@ class SleeveHalf:
 
 def add_sleeves(
     garment: Assembly,
-    block: Block,
+    block: BodiceBlock,
     armholes: dict[tuple[str, str], Seam],
     design: SleeveDesign,
     cuffs: CuffDesign | None = None,
@@ -141,7 +141,7 @@ def sleeve_halves(
     height = design.cap_height * sum(armholes.values()) / 2
     caps = {f: cap_curve(height, design.cap_fullness * armholes[f], f) for f in FACINGS}
     length = design.sleeve_length * body.arm_length
-    if length < height + SHORTEST_UNDERARM:
+    if length < height + MIN_UNDERARM:
         raise DraftError(
             f"the sleeve is {length:.1f} cm long and its cap {height:.1f} cm high; make "
             "sleeve_length larger or cap_height smaller"
@@ -187,7 +187,9 @@ def arm_girth(body: BodyMeasurements, share: float) -> float:
     return body.upper_arm_girth + min(share, 1.0) * (body.wrist_girth - body.upper_arm_girth)
 
 
-def sleeve_panel(block: Block, half: SleeveHalf, facing: str, side: str, x: float) -> PanelDraft:
+def sleeve_panel(
+    block: BodiceBlock, half: SleeveHalf, facing: str, side: str, x: float
+) -> PanelDraft:
     """One half of a sleeve beside its armhole, its crown `x` from the body's middle [cm]."""
     under = half.cap.end
     outline: Outline = (
@@ -199,7 +201,7 @@ def sleeve_panel(block: Block, half: SleeveHalf, facing: str, side: str, x: floa
     return _on_arm(f"{side}_sleeve_{facing}", outline, facing, side, block, x)
 
 
-def beside(block: Block, cap: Bezier, facing: str) -> float:
+def beside(block: BodiceBlock, cap: Bezier, facing: str) -> float:
     """The x of the crown at which the cap just touches the bodice [cm]."""
     arm_x, arm_y = curve_points(armhole(block, facing)).T
     cap_x, cap_y = curve_points(cap)[::-1].T
@@ -247,7 +249,7 @@ def add_cuff(
 
 
 def _on_arm(
-    name: str, outline: Outline, facing: str, side: str, block: Block, x: float
+    name: str, outline: Outline, facing: str, side: str, block: BodiceBlock, x: float
 ) -> PanelDraft:
     away = 1 if side == LEFT else -1
     if side != plus_side(facing):

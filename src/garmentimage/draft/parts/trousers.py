@@ -32,7 +32,7 @@ from garmentimage.draft.panel import (
     plus_side,
 )
 from garmentimage.draft.parameters import parameter
-from garmentimage.draft.parts.bodice import BelowWaist, Block
+from garmentimage.draft.parts.bodice import BelowWaist, BodiceBlock
 from garmentimage.geometry import Bezier, Curve, Point
 
 WAIST_EASE = 2.0
@@ -262,7 +262,7 @@ class LegLines:
         return (axis - quarter - self.extra, y), (axis + quarter, y)
 
 
-def legs_below_waist(block: Block, design: TrousersDesign) -> BelowWaist:
+def legs_below_waist(block: BodiceBlock, design: TrousersDesign) -> BelowWaist:
     """Both legs in one panel with the bodice: a jumpsuit's lower part."""
     body = block.body
     deeper = replace(design, crotch_ease=design.crotch_ease + JUMPSUIT_RISE)

@@ -23,7 +23,7 @@ from garmentimage.pattern.files import as_number
 Value = float | tuple[float, float]
 """What a parameter is set to: one number, or two for a curve that moves along its edge too."""
 
-SMALLEST_DRAW = 0.01
+MIN_DRAW = 0.01
 """Draws nearer to 0 than this are moved out to it: a factor of 0 could not be undone."""
 RANGE_TOL = 1e-6
 """How far beyond its range a value may lie; published samples round to this."""
@@ -166,5 +166,5 @@ def as_json(value: Value) -> float | list[float]:
 
 def _drawn(low: float, high: float, rng: np.random.Generator) -> float:
     value = float(rng.uniform(low, high))
-    apart = math.copysign(SMALLEST_DRAW, value)
-    return apart if abs(value) < SMALLEST_DRAW and low <= apart <= high else value
+    apart = math.copysign(MIN_DRAW, value)
+    return apart if abs(value) < MIN_DRAW and low <= apart <= high else value

@@ -1,4 +1,4 @@
-"""Worn garments as files: GLB, OBJ and PLY for other programs."""
+"""Draped garments as files: GLB, OBJ and PLY for other programs."""
 
 import lazy_loader
 

@@ -1,8 +1,8 @@
 from .export import (
-    WORN_FORMATS as WORN_FORMATS,
-    save_worn as save_worn,
-    worn_bytes as worn_bytes,
+    DRAPE_FORMATS as DRAPE_FORMATS,
+    drape_bytes as drape_bytes,
+    save_drape as save_drape,
 )
 from .glb import (
-    load_worn as load_worn,
+    load_drape as load_drape,
 )

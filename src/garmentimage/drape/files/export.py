@@ -1,4 +1,4 @@
-"""A worn garment as a file for other programs: GLB, OBJ or PLY.
+"""A draped garment as a file for other programs: GLB, OBJ or PLY.
 
 Every format keeps the panels apart, closes the seams, carries the flat pattern in true scale as
 texture coordinates, and says which edge and which stitch a vertex lies on:
@@ -23,6 +23,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.draped_garment import DrapedGarment
 from garmentimage.drape.files.glb import BODY, glb_bytes, mesh_names
 from garmentimage.drape.files.vertex_attributes import (
     cloth_normals,
@@ -30,58 +31,57 @@ from garmentimage.drape.files.vertex_attributes import (
     corner_seams,
     seam_vertices,
 )
-from garmentimage.drape.worn import Worn
 from garmentimage.errors import OutputError, check_type, quoted
 from garmentimage.system import write_atomically
 
-WORN_FORMATS = (".glb", ".obj", ".ply")
-"""Endings of files that a worn garment can be written to."""
+DRAPE_FORMATS = (".glb", ".obj", ".ply")
+"""Endings of files that a draped garment can be written to."""
 
 
-def save_worn(path: str | os.PathLike[str], worn: Worn, *, body: bool = True) -> None:
-    """Write a worn garment; the ending of the name says in which format.
+def save_drape(path: str | os.PathLike[str], garment: DrapedGarment, *, body: bool = True) -> None:
+    """Write a draped garment; the ending of the name says in which format.
 
     Args:
         path: ends in `.glb`, `.obj` or `.ply`.
-        worn: what to write.
+        garment: what to write.
         body: whether the body is written too; a PLY never holds it.
 
     Raises:
         OutputError: another ending, or a file that cannot be written.
-        TypeError: it is no Worn.
+        TypeError: it is not a DrapedGarment.
     """
-    check_type(worn, Worn, "garmentimage.drape_pattern makes one")
-    write_atomically(path, worn_bytes(worn, Path(path).suffix, body=body))
+    check_type(garment, DrapedGarment, "garmentimage.drape_pattern makes one")
+    write_atomically(path, drape_bytes(garment, Path(path).suffix, body=body))
 
 
-def worn_bytes(worn: Worn, ending: str, *, body: bool = True) -> bytes | str:
-    """What `save_worn` writes to a file with this ending.
+def drape_bytes(garment: DrapedGarment, ending: str, *, body: bool = True) -> bytes | str:
+    """What `save_drape` writes to a file with this ending.
 
     Raises:
-        OutputError: the ending is none of `WORN_FORMATS`.
+        OutputError: the ending is none of `DRAPE_FORMATS`.
     """
     match ending.lower():
         case ".glb":
-            return glb_bytes(worn, body=body)
+            return glb_bytes(garment, body=body)
         case ".obj":
-            return obj_text(worn, body=body)
+            return obj_text(garment, body=body)
         case ".ply":
-            return ply_bytes(worn)
-    known = ", ".join(WORN_FORMATS)
+            return ply_bytes(garment)
+    known = ", ".join(DRAPE_FORMATS)
     raise OutputError(f"a garment cannot be written as {quoted(ending)}; choose {known}")
 
 
-def obj_text(worn: Worn, *, body: bool = True) -> str:
+def obj_text(garment: DrapedGarment, *, body: bool = True) -> str:
     """The sewn garment as OBJ: panels as groups, `vt` the flat pattern [cm], positions in cm."""
-    return "\n".join([*_obj_lines(worn), *(_obj_body(worn) if body else ()), ""])
+    return "\n".join([*_obj_lines(garment), *(_obj_body(garment) if body else ()), ""])
 
 
-def _obj_lines(worn: Worn) -> Iterator[str]:
-    cloth = worn.cloth
+def _obj_lines(garment: DrapedGarment) -> Iterator[str]:
+    cloth = garment.cloth
     yield "# Lengths are cm, y is up; vt is the flat pattern in cm. Vertices count from 1."
-    yield from _rows("v", worn.points)
+    yield from _rows("v", garment.points)
     yield from _rows("vt", cloth.flat)
-    yield from _rows("vn", cloth_normals(cloth, worn.points))
+    yield from _rows("vn", cloth_normals(cloth, garment.points))
     names = mesh_names(cloth)
     where = dict(zip((panel.name for panel in cloth.pattern.panels), names))
     for side, corners in cloth.sides.items():
@@ -96,11 +96,11 @@ def _obj_lines(worn: Worn) -> Iterator[str]:
             yield "f " + " ".join(f"{v}/{c + 1}/{v}" for c, v in zip(face, cloth.vertex[face] + 1))
 
 
-def _obj_body(worn: Worn) -> Iterator[str]:
-    yield from _rows("v", worn.body.vertices)
+def _obj_body(garment: DrapedGarment) -> Iterator[str]:
+    yield from _rows("v", garment.body.vertices)
     yield f"g {BODY}"
-    first = len(worn.points) + 1
-    yield from (f"f {a} {b} {c}" for a, b, c in (worn.body.faces + first).tolist())
+    first = len(garment.points) + 1
+    yield from (f"f {a} {b} {c}" for a, b, c in (garment.body.faces + first).tolist())
 
 
 def _rows(word: str, rows: Float[np.ndarray, "n axis"]) -> Iterator[str]:
@@ -110,11 +110,11 @@ def _rows(word: str, rows: Float[np.ndarray, "n axis"]) -> Iterator[str]:
     )
 
 
-def ply_bytes(worn: Worn) -> bytes:
+def ply_bytes(garment: DrapedGarment) -> bytes:
     """The garment as binary PLY: one mesh whose vertices are the corners of the panels [cm]."""
-    cloth = worn.cloth
+    cloth = garment.cloth
     columns: dict[str, np.ndarray] = {
-        **{axis: worn.points[cloth.vertex, k] for k, axis in enumerate("xyz")},
+        **{axis: garment.points[cloth.vertex, k] for k, axis in enumerate("xyz")},
         **{f"flat_{axis}": cloth.flat[:, k] for k, axis in enumerate("xy")},
         "panel": cloth.panel,
         "vertex": cloth.vertex,
@@ -137,7 +137,7 @@ def _ply_header(cloth: Cloth, kinds: dict[str, str], vertices: int, faces: int) 
     lines = [
         "ply",
         "format binary_little_endian 1.0",
-        "comment lengths are cm, y is up; -1 is no edge, no seam",
+        "comment lengths are cm, y is up; -1 stands for none",
         *(f"comment panel {k} {name}" for k, name in enumerate(mesh_names(cloth))),
         f"element vertex {vertices}",
         *(f"property {words[kind]} {name}" for name, kind in kinds.items()),

@@ -1,4 +1,4 @@
-"""A worn garment as GLB: for the web, and to be read again.
+"""A draped garment as GLB: for the web, and to be read again.
 
 glTF wants metres, y up. Every panel is a mesh of its own, with smooth normals across the seams;
 its UV is the flat pattern in true scale, so that one unit of UV is `UV_CM` of cloth. Vertices carry
@@ -19,14 +19,14 @@ from jaxtyping import Float, Int
 
 from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.draped_garment import DrapedGarment, DrapeReport
 from garmentimage.drape.files.vertex_attributes import (
     cloth_normals,
     corner_edges,
     corner_seams,
     seam_vertices,
 )
-from garmentimage.drape.mesh import most_strain, rest_of
-from garmentimage.drape.worn import DrapeReport, Worn
+from garmentimage.drape.mesh import peak_strain, rest_of
 from garmentimage.errors import DrapeError, GarmentImageError
 from garmentimage.pattern import Side
 from garmentimage.pattern.files import pattern_to_spec, read_spec
@@ -66,31 +66,31 @@ def mesh_names(cloth: Cloth) -> list[str]:
 # --- Writing -------------------------------------------------------------------------------------
 
 
-def glb_bytes(worn: Worn, *, body: bool = True) -> bytes:
+def glb_bytes(garment: DrapedGarment, *, body: bool = True) -> bytes:
     """The garment as GLB; the same bytes every time."""
     import trimesh
 
     scene = trimesh.Scene()
-    for number, name in enumerate(mesh_names(worn.cloth)):
-        scene.add_geometry(_panel_mesh(worn, number), node_name=name, geom_name=name)
+    for number, name in enumerate(mesh_names(garment.cloth)):
+        scene.add_geometry(_panel_mesh(garment, number), node_name=name, geom_name=name)
     if body:
-        skin = _mesh(worn.body.vertices, worn.body.faces, SKIN_COLOUR)
+        skin = _mesh(garment.body.vertices, garment.body.faces, SKIN_COLOUR)
         scene.add_geometry(skin, node_name=BODY, geom_name=BODY)
-    scene.metadata[OURS] = _extras(worn)
+    scene.metadata[OURS] = _extras(garment)
     return scene.export(file_type="glb", include_normals=True)
 
 
-def _panel_mesh(worn: Worn, number: int) -> Any:
-    cloth = worn.cloth
+def _panel_mesh(garment: DrapedGarment, number: int) -> Any:
+    cloth = garment.cloth
     corners = np.flatnonzero(cloth.panel == number)
     first = corners[0] if len(corners) else 0
     vertex = cloth.vertex[corners]
     mesh = _mesh(
-        worn.points[vertex],
+        garment.points[vertex],
         cloth.faces[cloth.face_panel == number] - first,
         CLOTH_COLOUR,
         uv=cloth.flat[corners] / UV_CM,
-        normals=cloth_normals(cloth, worn.points)[vertex],
+        normals=cloth_normals(cloth, garment.points)[vertex],
     )
     columns = {"VERTEX": cloth.vertex, "EDGE": corner_edges(cloth), "SEAM": corner_seams(cloth)}
     for key, column in columns.items():
@@ -117,9 +117,9 @@ def _mesh(
     )
 
 
-def _extras(worn: Worn) -> dict[str, Any]:
-    cloth, body = worn.cloth, worn.body
-    report = asdict(worn.report)
+def _extras(garment: DrapedGarment) -> dict[str, Any]:
+    cloth, body = garment.cloth, garment.body
+    report = asdict(garment.report)
     return {
         "schema": SCHEMA,
         "uv_cm": UV_CM,
@@ -130,9 +130,9 @@ def _extras(worn: Worn) -> dict[str, Any]:
         "seams": [vertices.tolist() for vertices in seam_vertices(cloth)],
         "report": report
         | {
-            "slid": dict(worn.report.slid),
-            "faults": list(worn.report.faults),
-            "notes": list(worn.report.notes),
+            "slid": dict(garment.report.slid),
+            "faults": list(garment.report.faults),
+            "notes": list(garment.report.notes),
         },
         "body": {
             "name": body.name,
@@ -145,8 +145,8 @@ def _extras(worn: Worn) -> dict[str, Any]:
 # --- Reading -------------------------------------------------------------------------------------
 
 
-def load_worn(path: str | os.PathLike[str]) -> Worn:
-    """A worn garment from a GLB that `glb_bytes` made, body included; to 1e-4 cm.
+def load_drape(path: str | os.PathLike[str]) -> DrapedGarment:
+    """A draped garment from a GLB that `glb_bytes` made, body included; to 1e-4 cm.
 
     Raises:
         DrapeError: the file cannot be read, or does not hold a garment and a body of ours.
@@ -158,8 +158,8 @@ def load_worn(path: str | os.PathLike[str]) -> Worn:
         return read_glb(raw)
 
 
-def read_glb(raw: bytes) -> Worn:
-    """A worn garment from the bytes of a GLB.
+def read_glb(raw: bytes) -> DrapedGarment:
+    """A draped garment from the bytes of a GLB.
 
     Raises:
         DrapeError: they do not hold a garment and a body of ours.
@@ -189,7 +189,7 @@ def read_glb(raw: bytes) -> Worn:
     raise DrapeError(f"holds a damaged garment ({reason}); drape the pattern again")
 
 
-def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> Worn:
+def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> DrapedGarment:
     panels = [geometry[name] for name in extras["panels"]]
     sizes = [len(mesh.vertices) for mesh in panels]
     first = np.cumsum([0, *sizes[:-1]])
@@ -205,12 +205,12 @@ def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> Worn:
     )
     _check(cloth)
     points, report = cloth.sewn(corners), _report(extras["report"])
-    strain = most_strain(rest_of(cloth), points)
+    strain = peak_strain(rest_of(cloth), points)
     if abs(strain - report.strain) > STRAIN_TOL:
         raise _Damaged(
             f"its cloth is stretched by {strain:.2f}, its report says {report.strain:.2f}"
         )
-    return Worn(cloth, points, _body(geometry[BODY], extras["body"]), report)
+    return DrapedGarment(cloth, points, _body(geometry[BODY], extras["body"]), report)
 
 
 def _report(facts: Mapping[str, Any]) -> DrapeReport:

@@ -2,17 +2,17 @@ from .bending import (
     bending_matrix as bending_matrix,
 )
 from .meshing import (
-    VERTICES as VERTICES,
+    DEFAULT_VERTICES as DEFAULT_VERTICES,
     check_size as check_size,
+    explain_vertex_count as explain_vertex_count,
     mesh as mesh,
-    missed as missed,
 )
 from .normals import (
     vertex_normals as vertex_normals,
 )
 from .rest import (
     Rest as Rest,
-    most_strain as most_strain,
+    peak_strain as peak_strain,
     rest_of as rest_of,
     strain as strain,
 )

@@ -20,23 +20,23 @@ from garmentimage.errors import DrapeError, quoted
 from garmentimage.geometry import Curve, polyline_length
 from garmentimage.pattern import Panel, Pattern, Side
 
-VERTICES = 2000
-"""Vertices of a garment unless asked otherwise."""
-FEWEST, MOST = 50, 100_000
-"""Numbers of vertices that can be asked for."""
-MOST_PANELS, MOST_EDGES, MOST_CLOTH = 500, 5_000, 40.0
+DEFAULT_VERTICES = 2000
+"""Vertices of a garment by default."""
+MIN_VERTICES, MAX_VERTICES = 50, 100_000
+"""Bounds of the number of vertices that a caller may choose."""
+MAX_PANELS, MAX_EDGES, MAX_CLOTH = 500, 5_000, 40.0
 """Panels, edges and cloth [m²] of a garment that is draped. With the most cloth in designs by
-others it has 8 m²; more of any would take minutes, and tells of wrong units or of a tracing."""
-FARTHEST = 1e5
+others it has 8 m²; more of any would take minutes, and suggests wrong units or a tracing."""
+MAX_OFFSET = 1e5
 """Distance of a panel's vertices from its origin [cm]; farther off, triangles lose their shape."""
-FINEST, COARSEST = 0.3, 6.0
-"""Bounds of the edge length [cm]: finer than the thickness kept between cloth and skin tells
-nothing, coarser no sleeve goes round a wrist. A tiny garment has fewer vertices than asked for, a
+MIN_EDGE_LENGTH, MAX_EDGE_LENGTH = 0.3, 6.0
+"""Bounds of the edge length [cm]: finer than the thickness kept between cloth and skin adds
+no detail, coarser no sleeve goes round a wrist. A tiny garment has fewer vertices than chosen, a
 huge one more."""
 COUNT_TOL = 0.1
-"""Share by which the number of vertices may miss what was asked for without another try."""
-TRIES = 5
-"""Tries to meet the number of vertices, and to free a panel of faults."""
+"""Share by which the number of vertices may miss what was asked for before it is meshed again."""
+MAX_ATTEMPTS = 5
+"""Attempts to meet the number of vertices, and to free a panel of faults."""
 CELL = sqrt(3) / 2
 """Area of cloth that a vertex of a hexagonal lattice stands for, in squared edge lengths."""
 LENGTH_LOSS = 0.01
@@ -45,8 +45,8 @@ FINER = 4
 """Times that a curve is cut finer at most to keep its length."""
 NARROW_SHARE = 0.25
 """Edge length in narrow cloth, in its widths: two rows of equilateral triangles."""
-NARROWEST = 0.5
-"""Narrow cloth is no finer than this share of the garment's edge length."""
+MIN_NARROW_SHARE = 0.5
+"""Least edge length in narrow cloth, as a share of the garment's."""
 SHORT = 0.5
 """Edges longer than this, in edge lengths, have two parts: a strap ends there, or a band."""
 CLOSED_PARTS = 3
@@ -56,24 +56,24 @@ Triangles = tuple[Float[np.ndarray, "point 2"], Int[np.ndarray, "face 3"]]
 """One panel's points and faces, counter-clockwise."""
 
 
-def mesh(pattern: Pattern, *, vertices: int = VERTICES) -> Cloth:
+def mesh(pattern: Pattern, *, vertices: int = DEFAULT_VERTICES) -> Cloth:
     """Cut a garment into triangles and sew them.
 
     Args:
         pattern: a garment that passes `check_pattern`.
         vertices: how many to make once sewn; met within a tenth unless the edge length
             reaches a bound (0.3 or 6 cm) or the panels have more vertices by themselves, see
-            `missed`.
+            `explain_vertex_count`.
 
     Raises:
         DrapeError: a garment too large for any body, or a panel that has no triangles; names the
             panel.
     """
     check_size(pattern)
-    if not FEWEST <= vertices <= MOST:
-        raise DrapeError(f"{vertices} vertices; ask for {FEWEST} to {MOST}")
+    if not MIN_VERTICES <= vertices <= MAX_VERTICES:
+        raise DrapeError(f"{vertices} vertices; choose {MIN_VERTICES} to {MAX_VERTICES}")
     length = _first_length(pattern, vertices)
-    for _ in range(TRIES):
+    for _ in range(MAX_ATTEMPTS):
         cloth = _mesh(pattern, length)
         better = _bounded(length * sqrt(cloth.vertex_count / vertices))
         if better == length or abs(cloth.vertex_count / vertices - 1) < COUNT_TOL:
@@ -82,16 +82,16 @@ def mesh(pattern: Pattern, *, vertices: int = VERTICES) -> Cloth:
     return cloth
 
 
-def missed(count: int, asked: int) -> str:
-    """Why a cloth has another number of vertices than was asked for; nothing where it is met."""
-    if abs(count / asked - 1) <= COUNT_TOL:
+def explain_vertex_count(count: int, wanted: int) -> str:
+    """Why a cloth has another number of vertices than was chosen; empty where it is met."""
+    if abs(count / wanted - 1) <= COUNT_TOL:
         return ""
     why = (
-        f"edges shorter than {FINEST:g} cm would tell nothing"
-        if count < asked
-        else f"its outlines have so many, and edges are no longer than {COARSEST:g} cm"
+        f"edges shorter than {MIN_EDGE_LENGTH:g} cm would add no detail"
+        if count < wanted
+        else f"its outlines have so many, and edges are no longer than {MAX_EDGE_LENGTH:g} cm"
     )
-    return f"the cloth has {count} vertices instead of {asked}: {why}"
+    return f"the cloth has {count} vertices instead of {wanted}: {why}"
 
 
 def check_size(pattern: Pattern) -> None:
@@ -101,28 +101,28 @@ def check_size(pattern: Pattern) -> None:
         DrapeError: says what it has too much of.
     """
     panels, edges = pattern.panels, sum(len(p.edges) for p in pattern.panels)
-    if len(panels) > MOST_PANELS:
+    if len(panels) > MAX_PANELS:
         raise DrapeError(
-            f"it has {len(panels)} panels; at most {MOST_PANELS} can be draped: take fewer garments"
+            f"it has {len(panels)} panels; at most {MAX_PANELS} can be draped: take fewer garments"
         )
-    if edges > MOST_EDGES:
+    if edges > MAX_EDGES:
         largest = max(panels, key=lambda p: len(p.edges))
         raise DrapeError(
             f"it has {edges} edges, {len(largest.edges)} of them round panel "
-            f"{quoted(largest.name)}; at most {MOST_EDGES} can be draped: trace it in longer "
+            f"{quoted(largest.name)}; at most {MAX_EDGES} can be draped: trace it in longer "
             "steps, or make one curve of edges that go on smoothly"
         )
     for panel in panels:
         away = float(np.abs(panel.outline.polygon).max())
-        if away > FARTHEST:
+        if away > MAX_OFFSET:
             raise DrapeError(
                 f"panel {quoted(panel.name)} lies {away:.3g} cm from its own origin, where numbers "
-                f"are too coarse; move its vertices within {FARTHEST:g} cm"
+                f"are too coarse; move its vertices within {MAX_OFFSET:g} cm"
             )
     cloth = sum(abs(p.outline.area) for p in panels) / 1e4
-    if cloth > MOST_CLOTH:
+    if cloth > MAX_CLOTH:
         raise DrapeError(
-            f"it has {cloth:.3g} m² of cloth, more than any garment ({MOST_CLOTH:g}): its units "
+            f"it has {cloth:.3g} m² of cloth, more than any garment ({MAX_CLOTH:g}): its units "
             "are others; check properties.units_in_meter, which is 100 for cm and 1000 for mm"
         )
 
@@ -139,13 +139,13 @@ def _first_length(pattern: Pattern, vertices: int) -> float:
 
 
 def _bounded(length: float) -> float:
-    return min(max(length, FINEST), COARSEST)
+    return min(max(length, MIN_EDGE_LENGTH), MAX_EDGE_LENGTH)
 
 
 def _mesh(pattern: Pattern, length: float) -> Cloth:
     """The garment with one edge length [cm]."""
     parts = _parts(pattern, length)
-    for _ in range(TRIES):
+    for _ in range(MAX_ATTEMPTS):
         rings = [_rings(p, parts) for p in pattern.panels]
         meshes = [triangulate(r, _part_length(_width(r), length)) for r in rings]
         made = [m for m in meshes if m is not None]
@@ -192,7 +192,7 @@ def _width(rings: Sequence[Float[np.ndarray, "_ 2"]]) -> float:
 
 def _part_length(width: float, length: float) -> float:
     """Length of the parts along cloth of some width [cm]."""
-    return min(max(width * NARROW_SHARE, NARROWEST * length), length)
+    return min(max(width * NARROW_SHARE, MIN_NARROW_SHARE * length), length)
 
 
 def _part_count(curve: Curve, length: float) -> int:

@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 from garmentimage.drape.cloth import Cloth
 
 STRAINED = 0.01
-"""Share of the cloth whose stretch is not asked for: corners, and where seams meet."""
+"""Share of the cloth whose stretch is ignored: corners, and where seams meet."""
 GATHERED = 1.05
 """An edge whose two panels differ in length by more than this factor is gathered: it is as long as
 the shorter side, and the longer one's cloth has to fold. Elsewhere it takes their mean."""
@@ -94,7 +94,7 @@ def strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> Float[np.ndarra
     return np.sqrt((uu + vv) / 2 + np.hypot((uu - vv) / 2, uv)) - 1
 
 
-def most_strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> float:
+def peak_strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> float:
     """The stretch that all but `STRAINED` of the cloth keeps below.
 
     By area, not by number of triangles: those of narrow bands are small, so that their number

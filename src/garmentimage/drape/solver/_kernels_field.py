@@ -65,7 +65,7 @@ def sample(values, origin, per_cell, x, y, z):
     u = min(max((x - origin[0]) * per_cell, 0.0), nx - 1.0)
     v = min(max((y - origin[1]) * per_cell, 0.0), ny - 1.0)
     w = min(max((z - origin[2]) * per_cell, 0.0), nz - 1.0)
-    # What is no number is taken to lie at the grid's corner: its index must not leave the array.
+    # NaN is taken to lie at the corner of the grid: its index must not leave the array.
     i, j, k = max(min(int(u), nx - 2), 0), max(min(int(v), ny - 2), 0), max(min(int(w), nz - 2), 0)
     u, v, w = u - i, v - j, w - k
     low00, low01 = values[i, j, k], values[i, j, k + 1]

@@ -81,7 +81,7 @@ class DistanceField:
 @lru_cache(maxsize=FIELDS_KEPT)
 def body_field(body: Body) -> DistanceField:
     """The field round a body; made once, its values are read-only."""
-    return distance_field(body.vertices, body.faces)
+    return surface_distance(body.vertices, body.faces)
 
 
 def empty_field() -> DistanceField:
@@ -89,7 +89,7 @@ def empty_field() -> DistanceField:
     return DistanceField(np.full((2, 2, 2), 1e6, np.float32), np.zeros(3), CELL)
 
 
-def distance_field(
+def surface_distance(
     points: Float[np.ndarray, "vertex 3"],
     faces: Int[np.ndarray, "face 3"],
     *,

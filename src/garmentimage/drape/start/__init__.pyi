@@ -2,13 +2,13 @@ from .placement import (
     EASE as EASE,
     ELASTIC as ELASTIC,
     TIGHT as TIGHT,
-    Standing as Standing,
+    Placement as Placement,
     on_hips as on_hips,
-    standing as standing,
+    place_on_body as place_on_body,
 )
 from .starting import (
     start_points as start_points,
 )
 from .tuck import (
-    tucked_in as tucked_in,
+    tuck_in as tuck_in,
 )

@@ -6,29 +6,29 @@ Drawn flat, the front of a wide collar begins before the chin, which would hold 
 import numpy as np
 
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.start.sides import Marks
+from garmentimage.drape.start.sides import Landmarks
 from garmentimage.pattern import FRONTAL
 
-HIGHEST = 12.0
+MAX_COLLAR_HEIGHT = 12.0
 """Height of a collar, at most [cm]; what is higher is a hood."""
-LEAST = 9.0
+MIN_RADIUS = 9.0
 """Least radius of the ring [cm]."""
 
 
-def lay_collar(cloth: Cloth, corners: np.ndarray, marks: Marks) -> None:
+def lay_collar(cloth: Cloth, corners: np.ndarray, landmarks: Landmarks) -> None:
     """Bend level strips over the shoulders, in front and behind, to a ring round the neck."""
-    over, neck = marks["left_neck_point"][1], marks["neck_joint"][2]
+    over, neck = landmarks["left_neck_point"][1], landmarks["neck_joint"][2]
     strips: dict[int, list[int]] = {1: [], -1: []}
     for k, panel in enumerate(cloth.pattern.panels):
         x, y, z = corners[cloth.panel == k].T
-        level = abs(panel.matrix[2, 2]) > FRONTAL and np.ptp(y) < min(np.ptp(x), HIGHEST)
+        level = abs(panel.matrix[2, 2]) > FRONTAL and np.ptp(y) < min(np.ptp(x), MAX_COLLAR_HEIGHT)
         if level and y.min() > over:
             strips[1 if z.mean() > neck else -1].append(k)
     own = {side: np.isin(cloth.panel, numbers) for side, numbers in strips.items()}
     if not all(half.any() for half in own.values()):
         return
     ends = {side: np.abs(corners[half, 0]).max() for side, half in own.items()}
-    radius = max(sum(ends.values()) / np.pi, LEAST)
+    radius = max(sum(ends.values()) / np.pi, MIN_RADIUS)
     down = min(float(corners[half, 1].min()) for half in own.values()) - over
     for side, half in own.items():
         angle = corners[half, 0] / ends[side] * np.pi / 2

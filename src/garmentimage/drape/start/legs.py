@@ -8,10 +8,10 @@ import numpy as np
 
 from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.start.sides import Marks, faces_front, of_side
+from garmentimage.drape.start.sides import Landmarks, faces_front, of_side
 from garmentimage.pattern import FRONTAL, Side
 
-FARTHEST = 40.0
+MAX_SHIFT = 40.0
 """A trouser leg that would have to go farther than this [cm] stands elsewhere on purpose."""
 FOOT_ROOM = 2.0
 """Hems begin at least so far over the ankle joints [cm]."""
@@ -19,13 +19,13 @@ FACING_IN = 0.5
 """Least part towards the middle of the unit direction in which an inseam faces out of its panel."""
 
 
-def shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
+def shift_leg(cloth: Cloth, corners: np.ndarray, landmarks: Landmarks, side: int) -> None:
     """Shift the trouser leg of one side (1: left) sideways until it follows the leg.
 
     The inseams of wide legs go no further than to the middle: the other leg is beyond it.
     """
-    hip, ankle = (of_side(marks, f"left_{n}_joint", side) for n in ("hip", "ankle"))
-    crotch = float(marks["crotch"][1])
+    hip, ankle = (of_side(landmarks, f"left_{n}_joint", side) for n in ("hip", "ankle"))
+    crotch = float(landmarks["crotch"][1])
     inseams = [
         s
         for stitch in cloth.pattern.stitches
@@ -47,7 +47,7 @@ def shift_leg(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> Non
     low = np.minimum(height, crotch)
     shift = hip[0] + slope_of_leg * (low - hip[1]) - (offset + slope * low)
     shift = side * np.maximum(side * shift, -np.maximum(side * np.polyval(inner, low), 0.0))
-    if np.abs(shift).max() > FARTHEST:
+    if np.abs(shift).max() > MAX_SHIFT:
         return
     top = max(float(height.max()), crotch + 1.0)
     corners[own, 0] += shift * np.clip((top - height) / (top - crotch), 0.0, 1.0)

@@ -1,9 +1,9 @@
-"""Standing: a sewing pattern is put where its wearer stands.
+"""Placement: a sewing pattern is put where its wearer stands.
 
-Pattern files come with their origin on the floor, near the pelvis or anywhere, drawn for a body
-that we do not know. So where a garment stands is told by what it is (`held`) and by its lengths
-against those of the body, never by where its file has it. Every piece of clothing of a pattern is
-moved by itself, not bent:
+Pattern files have their origin on the floor, near the pelvis or anywhere, and are drawn for an
+unknown body. So a garment is placed by what holds it up (`support`) and by its lengths against
+those of the body, never by its place in the file. Every item of clothing of a pattern is moved by
+itself, not bent:
 
 1. What hangs from the **shoulders** comes to lie with the lowest point of its shoulder seams as far
    over the body's shoulder line as in a draft for this body.
@@ -13,10 +13,10 @@ moved by itself, not bent:
 3. What is held by the **chest** has its top edge halfway from the bust points to the arms.
 4. The body is between front and back, the back close behind it.
 
-It is never moved sideways: a garment may be meant to be unlike on its two sides.
+It is never moved sideways: a garment may be asymmetric on purpose.
 
-A top edge is **held** only where an elastic or a belt could hold it: where it is hardly longer than
-the body is round. An edge that is labelled `waist` is drawn together as by an elastic.
+A top edge **supports** a garment only where an elastic or a belt could hold it: where it is hardly
+longer than the body is round. An edge that is labelled `waist` is drawn together as by an elastic.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,18 +26,18 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.body import Body
-from garmentimage.drape.girths import chest_level, drawn_over, girth, shoulder, waist_height
-from garmentimage.drape.support import BAND, Held, Hold, hold_of
+from garmentimage.drape.girths import chest_level, girth, shoulder, shoulder_seam_rise, waist_height
+from garmentimage.drape.support import BAND, Support, SupportSite, find_support
 from garmentimage.drape.world_panels import (
-    Piece,
     Points,
     WorldEdge,
+    WorldPanel,
     band_height,
     below_band,
+    connected_garments,
     girth_at,
     mean_height,
-    parts,
-    pieces_of,
+    panels_in_world,
     seam_length,
 )
 from garmentimage.errors import DraftError
@@ -47,7 +47,7 @@ EASE = 8.0
 """A belt draws a top edge together by this much at most [cm], so it holds where the edge is no
 longer than the body is round, and this."""
 FRILL = 25.0
-"""What stands up from the waist, wider at its top, is no higher than this [cm]."""
+"""Greatest height of what stands up from the waist, wider at its top [cm]."""
 BAND_ABOVE = 4.5
 """A waistband goes up from the waist by its height, but no more than this [cm]."""
 ON_HIPS = 0.45
@@ -80,23 +80,23 @@ DEPTH_END = 0.25
 
 
 @dataclass(frozen=True)
-class Standing:
-    """Where a piece of clothing was put on a body, and what holds it there."""
+class Placement:
+    """Where an item of clothing was put on a body, and what holds it there."""
 
-    held: Held
-    why: str
-    """How that was told, as a clause."""
-    sure: bool
-    """Whether the garment itself tells; else only the height in its file did."""
+    site: SupportSite
+    reason: str
+    """How that was recognised, as a clause."""
+    is_certain: bool
+    """Whether the garment itself shows it; otherwise only the height in its file did."""
     panels: frozenset[str]
     """Names of its panels."""
     edges: tuple[Side, ...]
     """The edges that are worn at its level: the free edges at its top, as a rule."""
     seams: tuple[Side, ...]
     """The sides of its shoulder seams."""
-    lifted: float
+    shift_up: float
     """How far up it was moved in all, after scaling [cm]."""
-    forward: float
+    shift_forward: float
     """How far it was moved to the front [cm]."""
     scale: float
     """What its lengths were multiplied by."""
@@ -106,64 +106,64 @@ class Standing:
     """Length of its top edge or, strapless, how wide it is under it, where it is tightest [cm]."""
     girth: float
     """How far round the body is at its waist, or at the chest where it should hold [cm]."""
-    holds: bool
+    is_supported: bool
     """Whether its top edge can hold it there."""
-    drawn_to: float
+    drawn_length: float
     """Length to which a belt or an elastic draws its top edge together [cm]; 0 not at the waist."""
 
 
-def standing(
+def place_on_body(
     pattern: Pattern, body: Body, *, made_for: float | None = None
-) -> tuple[Pattern, tuple[Standing, ...]]:
-    """The pattern, moved to where the body wears it, and where each piece of clothing was put.
+) -> tuple[Pattern, tuple[Placement, ...]]:
+    """The pattern, moved to where the body wears it, and where each item of clothing was put.
 
     Moving all of the pattern up, down, forward or back changes nothing in the result.
 
     Args:
         pattern: anywhere, x = 0 in its middle.
         body: its landmarks `left_neck_point`, `cervical`, `left_shoulder_joint`, `waist_front` and
-            `crotch` are looked at.
+            `crotch` are used.
         made_for: stature that the pattern was made for [cm]: all of it is scaled to the body's
-            stature. Without it nothing is scaled.
+            stature. By default nothing is scaled.
 
     Raises:
-        DraftError: `made_for` is no stature.
+        DraftError: `made_for` is out of range.
     """
     stature = float(np.ptp(body.vertices[:, 1]))
     scale = 1.0 if made_for is None else stature / _checked(made_for)
     moved: dict[str, Panel] = {}
     found = []
-    for part in parts(_scaled(pattern, scale)):
-        placed, report = _stood(part, body, scale)
+    for part in connected_garments(_scaled(pattern, scale)):
+        placed, report = _place(part, body, scale)
         moved |= placed.by_name
         found.append(report)
     return replace(pattern, panels=tuple(moved[p.name] for p in pattern.panels)), tuple(found)
 
 
-def _stood(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Standing]:
-    pieces = pieces_of(pattern)
-    hold = hold_of(pattern, pieces, body)
+def _place(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Placement]:
+    panels = panels_in_world(pattern)
+    support = find_support(pattern, panels, body)
     place = {
-        Held.SHOULDERS: _on_shoulders,
-        Held.WAIST: _at_waist,
-        Held.CHEST: _at_chest,
-    }[hold.held](pattern, pieces, hold, body)
-    forward = _forward(pieces, body, place.up)
-    report = Standing(
-        held=hold.held,
-        why=hold.why,
-        sure=hold.sure,
-        panels=frozenset(pieces),
+        SupportSite.SHOULDERS: _on_shoulders,
+        SupportSite.WAIST: _at_waist,
+        SupportSite.CHEST: _at_chest,
+    }[support.site](pattern, panels, support, body)
+    forward = _forward(panels, body, place.up)
+    report = Placement(
+        site=support.site,
+        reason=support.reason,
+        is_certain=support.is_certain,
+        panels=frozenset(panels),
         edges=tuple(edge.side for edge in place.edges),
-        seams=tuple(side for seam in hold.seams for side in seam.sides),
-        lifted=place.up,
-        forward=forward,
+        seams=tuple(side for seam in support.seams for side in seam.sides),
+        shift_up=place.up,
+        shift_forward=forward,
         scale=scale,
         level=place.level,
         length=place.length,
         girth=place.girth,
-        holds=place.holds,
-        drawn_to=place.drawn_to,
+        is_supported=place.is_supported,
+        drawn_length=place.drawn_length,
     )
     return _moved(pattern, place.up, forward), report
 
@@ -227,34 +227,36 @@ def _scaled_edge(edge: Edge, scale: float) -> Edge:
 
 
 @dataclass(frozen=True)
-class _Place:
-    """How far up a garment goes, and the fields of `Standing` that say what holds it there."""
+class _VerticalPlacement:
+    """How far up a garment goes, and the fields of `Placement` that say what holds it there."""
 
     up: float
     edges: tuple[WorldEdge, ...]
     level: float
     length: float = 0.0
     girth: float = 0.0
-    holds: bool = False
-    drawn_to: float = 0.0
+    is_supported: bool = False
+    drawn_length: float = 0.0
 
 
-def _on_shoulders(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
+def _on_shoulders(
+    pattern: Pattern, panels: Mapping[str, WorldPanel], support: Support, body: Body
+) -> _VerticalPlacement:
     neck = float(body.landmarks["left_neck_point"][1])
-    over = _over_shoulders([seam.points for seam in hold.seams], body)
+    over = _over_shoulders([seam.points for seam in support.seams], body)
     if len(over):
-        up = drawn_over(body) - float(over.min())
+        up = shoulder_seam_rise(body) - float(over.min())
     else:
         # Seams beyond the shoulders, or sleeves that go up to the neckline.
-        up = neck - (mean_height(hold.edges) if hold.edges else _highest(pieces))
-    if _has_one_strap(hold):
-        return _tight_at_chest(pieces, hold.edges, body, up - drawn_over(body) + TOUCH)
-    return _Place(up, hold.edges, neck)
+        up = neck - (mean_height(support.edges) if support.edges else _highest(panels))
+    if _has_one_strap(support):
+        return _tight_at_chest(panels, support.edges, body, up - shoulder_seam_rise(body) + TOUCH)
+    return _VerticalPlacement(up, support.edges, neck)
 
 
-def _has_one_strap(hold: Hold) -> bool:
+def _has_one_strap(support: Support) -> bool:
     """Whether only one shoulder carries it, so that its top edge has to hold it on the other."""
-    middles = [float(seam.points[:, 0].mean()) for seam in hold.seams]
+    middles = [float(seam.points[:, 0].mean()) for seam in support.seams]
     return bool(middles) and len({x > 0 for x in middles}) == 1
 
 
@@ -270,20 +272,22 @@ def _over_shoulders(seams: Sequence[Points], body: Body) -> Float[np.ndarray, " 
     return points[on, 1] - line
 
 
-def _highest(pieces: Mapping[str, Piece]) -> float:
-    return max(float(e.points[:, 1].max()) for piece in pieces.values() for e in piece.edges)
+def _highest(panels: Mapping[str, WorldPanel]) -> float:
+    return max(float(e.points[:, 1].max()) for panel in panels.values() for e in panel.edges)
 
 
-def _at_waist(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
+def _at_waist(
+    pattern: Pattern, panels: Mapping[str, WorldPanel], support: Support, body: Body
+) -> _VerticalPlacement:
     """The top edge at the waist, or as far down as the body is thick enough to hold it."""
     waist, crotch = waist_height(body), float(body.landmarks["crotch"][1])
-    edges, band = hold.edges, band_height(pattern, pieces, hold.edges)
+    edges, band = support.edges, band_height(pattern, panels, support.edges)
     length, round_waist = sum(e.length for e in edges), girth(body, waist)
-    ring = below_band(pattern, pieces, edges) if 0 < band <= FRILL else ()
+    ring = below_band(pattern, panels, edges) if 0 < band <= FRILL else ()
     if ring and (narrow := sum(seam_length(pattern, e) for e in ring)) < length - EASE:
         # A frill is worn by its lower edge.
         edges, length, band = ring, narrow, 0.0
-    top = mean_height(edges) if edges else _highest(pieces)
+    top = mean_height(edges) if edges else _highest(panels)
     shortest = length - EASE
     if shortest > round_waist and _has_elastic(pattern, edges):
         shortest = DRAWN_TOGETHER * length
@@ -292,13 +296,15 @@ def _at_waist(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: B
     level = waist if fits is None else fits
     # What is shorter than the body is round is tight already.
     loose = fits is not None and length > girth(body, level)
-    drawn_to = girth(body, level) - TIGHT if loose else length
+    drawn_length = girth(body, level) - TIGHT if loose else length
     if level == waist:
         level += min(band, BAND_ABOVE) if band <= BAND else 0.0
     up = level - top
-    if hold.crotch is not None:
-        up = min(up, crotch - CROTCH_ROOM - hold.crotch)
-    return _Place(up, edges, top + up, length, round_waist, fits is not None, drawn_to)
+    if support.crotch is not None:
+        up = min(up, crotch - CROTCH_ROOM - support.crotch)
+    return _VerticalPlacement(
+        up, edges, top + up, length, round_waist, fits is not None, drawn_length
+    )
 
 
 def on_hips(body: Body) -> float:
@@ -312,13 +318,15 @@ def _has_elastic(pattern: Pattern, edges: Sequence[WorldEdge]) -> bool:
     return bool(labels) and set(labels) == {ELASTIC}
 
 
-def _at_chest(pattern: Pattern, pieces: Mapping[str, Piece], hold: Hold, body: Body) -> _Place:
+def _at_chest(
+    pattern: Pattern, panels: Mapping[str, WorldPanel], support: Support, body: Body
+) -> _VerticalPlacement:
     """The top edge over the bust; it holds where the garment is tight enough under it."""
-    level, edges = chest_level(body), hold.edges
+    level, edges = chest_level(body), support.edges
     if not edges:
-        return _Place(level - _highest(pieces), (), level)
+        return _VerticalPlacement(level - _highest(panels), (), level)
     return _tight_at_chest(
-        pieces, edges, body, level - max(mean_height(edges), _side_height(edges))
+        panels, edges, body, level - max(mean_height(edges), _side_height(edges))
     )
 
 
@@ -329,31 +337,33 @@ def _side_height(edges: Sequence[WorldEdge]) -> float:
 
 
 def _tight_at_chest(
-    pieces: Mapping[str, Piece], edges: tuple[WorldEdge, ...], body: Body, up: float
-) -> _Place:
+    panels: Mapping[str, WorldPanel], edges: tuple[WorldEdge, ...], body: Body, up: float
+) -> _VerticalPlacement:
     """A garment moved `up` that is held where it is tightest under its top edge at the sides."""
     side = min(_side_height(edges), chest_level(body) - up)
     heights = np.arange(side - LEVEL_STEP, side - TIGHT_WITHIN, -LEVEL_STEP).tolist()
-    widths = [(girth_at(pieces, y), girth(body, y + up)) for y in heights]
+    widths = [(girth_at(panels, y), girth(body, y + up)) for y in heights]
     widths = [(own, around) for own, around in widths if own > 0]
     if not widths:
-        return _Place(up, edges, mean_height(edges) + up)
+        return _VerticalPlacement(up, edges, mean_height(edges) + up)
     length, around = min(widths, key=lambda pair: pair[0] - pair[1])
-    return _Place(up, edges, mean_height(edges) + up, length, around, length <= around + EASE)
+    return _VerticalPlacement(
+        up, edges, mean_height(edges) + up, length, around, length <= around + EASE
+    )
 
 
 # --- Depth ---------------------------------------------------------------------------------------
 
 
-def _forward(pieces: Mapping[str, Piece], body: Body, up: float) -> float:
+def _forward(panels: Mapping[str, WorldPanel], body: Body, up: float) -> float:
     """How far the panels must go forward for the body to be between front and back [cm].
 
     The back comes to lie `DEPTH_ROOM` behind it, or the body midway where there is less room, and
     nearly midway where there is far more.
     """
-    depths = np.array([piece.centre[2] for piece in pieces.values()])
-    areas = np.array([piece.area for piece in pieces.values()])
-    heights = np.concatenate([e.points[:, 1] for piece in pieces.values() for e in piece.edges])
+    depths = np.array([panel.centre[2] for panel in panels.values()])
+    areas = np.array([panel.area for panel in panels.values()])
+    heights = np.concatenate([e.points[:, 1] for panel in panels.values() for e in panel.edges])
     low, high = _body_depths(body, heights.min() + up, heights.max() + up)
     if np.ptp(depths) < DEPTH_GAP:
         return (low + high) / 2 - float(np.average(depths, weights=areas))

@@ -1,4 +1,4 @@
-"""Places on the wearer, and sides of panels, that tell where cloth begins."""
+"""Landmarks of the wearer, and sides of panels, that decide where cloth begins."""
 
 from collections.abc import Mapping
 
@@ -11,19 +11,19 @@ from garmentimage.pattern import Side
 CHEST = 0.7
 """Where the chest is on the way from the waist to the shoulder joints."""
 
-Marks = Mapping[str, Float[np.ndarray, " 3"]]
+Landmarks = Mapping[str, Float[np.ndarray, " 3"]]
 """Landmarks of a body [cm]."""
 
 
-def chest(marks: Marks) -> float:
+def chest(landmarks: Landmarks) -> float:
     """Height of the chest, over skirts and under the tops of sleeves [cm]."""
-    shoulder, waist = marks["left_shoulder_joint"][1], marks["waist_front"][1]
+    shoulder, waist = landmarks["left_shoulder_joint"][1], landmarks["waist_front"][1]
     return float(waist + CHEST * (shoulder - waist))
 
 
-def of_side(marks: Marks, name: str, side: int) -> Float[np.ndarray, " 3"]:
+def of_side(landmarks: Landmarks, name: str, side: int) -> Float[np.ndarray, " 3"]:
     """A landmark of the left side, or where it would be on the right (-1)."""
-    return marks[name] * [side, 1, 1]
+    return landmarks[name] * [side, 1, 1]
 
 
 def faces_front(cloth: Cloth, of: Side) -> bool:

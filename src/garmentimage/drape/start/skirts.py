@@ -13,16 +13,16 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.start.placement import Standing
-from garmentimage.drape.start.sides import Marks, chest
-from garmentimage.drape.support import Held
+from garmentimage.drape.start.placement import Placement
+from garmentimage.drape.start.sides import Landmarks, chest
+from garmentimage.drape.support import SupportSite
 
 WIDE, KEPT_BEYOND = np.deg2rad(60.0), 0.15
-"""A skirt begins hanging out by this angle at most, and by this share of what is beyond it."""
+"""A skirt begins to hang at this angle from straight down at most, plus this share of the rest."""
 HALF_ROUND = np.deg2rad(95.0)
 """Half of a circle skirt has a seam that goes on to this angle from straight down, or further."""
 FLARED = np.deg2rad(40.0)
-"""The same for a top edge that is no seam: nothing over it keeps a flared one level."""
+"""The same for a free top edge: nothing over it keeps a flared one level."""
 STRAIGHT_DOWN = np.deg2rad(30.0)
 """That seam begins within this angle from straight down."""
 OUT_OF_ROUND = 0.15
@@ -32,11 +32,15 @@ SEAM_DEPTH = 8.0
 
 
 def hang_skirts(
-    cloth: Cloth, corners: np.ndarray, marks: Marks, standings: Sequence[Standing]
+    cloth: Cloth, corners: np.ndarray, landmarks: Landmarks, placements: Sequence[Placement]
 ) -> None:
     """Bend down the sides of panels that begin at the waist and would reach up to the arms."""
-    tops = _tops(cloth, standings)
-    reach, waist, high = marks["left_shoulder_joint"][0], marks["waist_front"][1], chest(marks)
+    tops = _tops(cloth, placements)
+    reach, waist, high = (
+        landmarks["left_shoulder_joint"][0],
+        landmarks["waist_front"][1],
+        chest(landmarks),
+    )
     for k in range(len(cloth.pattern.panels)):
         own = np.flatnonzero(cloth.panel == k)
         seam = _round_seam(cloth, corners, k, tops)
@@ -61,14 +65,14 @@ def hang_skirts(
 
 
 def _tops(
-    cloth: Cloth, standings: Sequence[Standing]
+    cloth: Cloth, placements: Sequence[Placement]
 ) -> Mapping[int, tuple[Int[np.ndarray, " n"], float]]:
     """For the panels with a top edge at the waist, its corners and its level."""
     lines: dict[int, tuple[list[np.ndarray], float]] = {}
-    for standing in standings:
-        for side in standing.edges if standing.held is Held.WAIST else ():
+    for placement in placements:
+        for side in placement.edges if placement.site is SupportSite.WAIST else ():
             line = cloth.sides[side]
-            lines.setdefault(int(cloth.panel[line[0]]), ([], standing.level))[0].append(line)
+            lines.setdefault(int(cloth.panel[line[0]]), ([], placement.level))[0].append(line)
     return {k: (np.unique(np.concatenate(found)), level) for k, (found, level) in lines.items()}
 
 

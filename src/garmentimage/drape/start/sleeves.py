@@ -8,24 +8,26 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.start.sides import Marks, chest, faces_front, of_side
+from garmentimage.drape.start.sides import Landmarks, chest, faces_front, of_side
 
 SLEEVE_INNER = 0.2
 """Sleeves stay outside of this share of the shoulder joint's distance from the middle."""
 UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
-SHORTEST_TURNED = 5.0
+MIN_TURNED_LENGTH = 5.0
 """A sleeve shorter than this is moved, but not turned [cm]."""
 
 
-def lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> None:
+def lay_sleeve(cloth: Cloth, corners: np.ndarray, landmarks: Landmarks, side: int) -> None:
     """Lay the sleeve of one side (1: left) along the arm, turned and moved in the picture plane.
 
     The arm goes through the armhole and through the narrowest line across the sleeve's end, in the
     middle of narrow ones and `UNDER_TOP` under the top of wide ones, which hang down from it.
     """
-    shoulder, wrist = (of_side(marks, f"left_{n}_joint", side)[:2] for n in ("shoulder", "wrist"))
-    sleeve = _sleeve(cloth, corners, marks, side)
+    shoulder, wrist = (
+        of_side(landmarks, f"left_{n}_joint", side)[:2] for n in ("shoulder", "wrist")
+    )
+    sleeve = _sleeve(cloth, corners, landmarks, side)
     armhole = corners[_armhole(cloth, sleeve), :2]
     rings = [corners[ring, :2] for ring in _rings(cloth, sleeve)]
     if not len(armhole) or not rings:
@@ -34,7 +36,7 @@ def lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> No
     up = side * np.array([-way[1], way[0]])
     into, out = _arms_place(armhole, up), _arms_place(min(rings, key=lambda r: np.ptp(r @ up)), up)
     arm = wrist - shoulder
-    long_enough = np.hypot(*(out - into)) > SHORTEST_TURNED
+    long_enough = np.hypot(*(out - into)) > MIN_TURNED_LENGTH
     turn = _angle(arm) - _angle(out - into) if long_enough else 0.0
     cos, sin = np.cos(turn), np.sin(turn)
     turned = (corners[sleeve, :2] - out) @ np.array([[cos, sin], [-sin, cos]])
@@ -43,7 +45,7 @@ def lay_sleeve(cloth: Cloth, corners: np.ndarray, marks: Marks, side: int) -> No
 
 
 def _sleeve(
-    cloth: Cloth, corners: np.ndarray, marks: Marks, side: int
+    cloth: Cloth, corners: np.ndarray, landmarks: Landmarks, side: int
 ) -> Bool[np.ndarray, " corner"]:
     """Corners of the panels round the arm of one side: sleeves, and cuffs sewn to them.
 
@@ -51,8 +53,8 @@ def _sleeve(
     jacket's front do begin there, but no panel beside them is their back.
     """
     panels = cloth.pattern.panels
-    reach = marks["left_shoulder_joint"][0]
-    least = chest(marks)
+    reach = landmarks["left_shoulder_joint"][0]
+    least = chest(landmarks)
     outer, high = set(), set()
     for k, panel in enumerate(panels):
         x, y = side * corners[cloth.panel == k, 0], corners[cloth.panel == k, 1]

@@ -18,35 +18,35 @@ from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.start.collars import lay_collar
 from garmentimage.drape.start.legs import clear_feet, shift_leg
-from garmentimage.drape.start.placement import Standing
+from garmentimage.drape.start.placement import Placement
 from garmentimage.drape.start.skirts import hang_skirts
 from garmentimage.drape.start.sleeves import lay_sleeve
 
 
 def start_points(
-    cloth: Cloth, body: Body, standings: Sequence[Standing] = ()
+    cloth: Cloth, body: Body, placements: Sequence[Placement] = ()
 ) -> Float[np.ndarray, "vertex 3"]:
     """Where every vertex begins: halfway between the corners that are sewn into it [cm].
 
     Args:
         cloth: the sewn garment, its panels where the body wears them.
         body: who wears it.
-        standings: where each piece of clothing was put.
+        placements: where each piece of clothing was put.
     """
     corners = np.empty((len(cloth.flat), 3))
     for k, panel in enumerate(cloth.pattern.panels):
         own = cloth.panel == k
         corners[own] = panel.to_world(cloth.flat[own])
-    marks = body.landmarks
-    if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= marks.keys():
+    landmarks = body.landmarks
+    if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= landmarks.keys():
         for side in (1, -1):
-            lay_sleeve(cloth, corners, marks, side)
-        hang_skirts(cloth, corners, marks, standings)
-    if {"left_neck_point", "neck_joint"} <= marks.keys():
-        lay_collar(cloth, corners, marks)
-    if {"left_knee_joint", "left_ankle_joint"} <= marks.keys():
+            lay_sleeve(cloth, corners, landmarks, side)
+        hang_skirts(cloth, corners, landmarks, placements)
+    if {"left_neck_point", "neck_joint"} <= landmarks.keys():
+        lay_collar(cloth, corners, landmarks)
+    if {"left_knee_joint", "left_ankle_joint"} <= landmarks.keys():
         clear_feet(corners, body)
-    if {"left_hip_joint", "left_ankle_joint", "crotch"} <= marks.keys():
+    if {"left_hip_joint", "left_ankle_joint", "crotch"} <= landmarks.keys():
         for side in (1, -1):
-            shift_leg(cloth, corners, marks, side)
+            shift_leg(cloth, corners, landmarks, side)
     return cloth.sewn(corners)

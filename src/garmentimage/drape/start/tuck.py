@@ -1,4 +1,4 @@
-"""Tucking in: what lies under a waistband is gathered until it is no wider than the body there.
+"""Tucking in: what lies under a waistband is gathered to the width of the body there.
 
 In reality a waistband presses loose cloth against the body. Here an outer item meets the inner one
 as if it were hard, so that the inner one has to be narrow by itself.
@@ -19,7 +19,7 @@ STEP = 4.0
 """Distance of the levels at which body and cloth are measured [cm]."""
 
 
-def tucked_in(rest: Rest, start: Float[np.ndarray, "vertex 3"], body: Body, level: float) -> Rest:
+def tuck_in(rest: Rest, start: Float[np.ndarray, "vertex 3"], body: Body, level: float) -> Rest:
     """The cloth of a top with what lies lower than a level gathered round the body.
 
     Args:

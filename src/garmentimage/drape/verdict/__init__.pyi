@@ -1,3 +1,3 @@
 from .judging import (
-    judge as judge,
+    assess_drape as assess_drape,
 )

@@ -5,7 +5,7 @@ from jaxtyping import Float, Int
 
 from garmentimage.drape.verdict._kernels import count_crossed
 
-MOST_BINS = 128
+MAX_BINS = 128
 """Bins along the longest extent of the cloth."""
 
 
@@ -14,7 +14,7 @@ def crossing_count(points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray,
     assert np.isfinite(points).all() and 0 <= faces.min() <= faces.max() < len(points)
     low, high = points.min(axis=0), points.max(axis=0)
     longest = np.linalg.norm(points[faces] - points[np.roll(faces, 1, axis=1)], axis=2).max()
-    size = max(float(longest), float((high - low).max()) / MOST_BINS, 1e-6)
+    size = max(float(longest), float((high - low).max()) / MAX_BINS, 1e-6)
     shape = np.floor((high - low) / size).astype(np.int64) + 1
     bins = np.floor((points[faces].mean(axis=1) - low) / size).astype(np.int64)
     key = (bins[:, 0] * shape[1] + bins[:, 1]) * shape[2] + bins[:, 2]

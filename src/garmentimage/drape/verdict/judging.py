@@ -1,4 +1,4 @@
-"""Judging a drape: what a buyer would ask, and what makes it a failure."""
+"""Assessment of a drape: its quality, and what makes it a failure."""
 
 from collections.abc import Mapping
 
@@ -7,45 +7,45 @@ from jaxtyping import Float
 
 from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.components import Item
+from garmentimage.drape.components import GarmentItem
+from garmentimage.drape.draped_garment import DrapeReport
 from garmentimage.drape.fit import tight_places
 from garmentimage.drape.girths import shoulder, waist_height
-from garmentimage.drape.mesh import Rest, most_strain, strain
+from garmentimage.drape.mesh import Rest, peak_strain, strain
 from garmentimage.drape.solver import Motion, body_field
-from garmentimage.drape.start import EASE, ELASTIC, TIGHT, Standing, on_hips
-from garmentimage.drape.support import Held
+from garmentimage.drape.start import EASE, ELASTIC, TIGHT, Placement, on_hips
+from garmentimage.drape.support import SupportSite
 from garmentimage.drape.verdict.intersections import crossing_count
 from garmentimage.drape.verdict.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.verdict.skin import deepest
-from garmentimage.drape.worn import DrapeReport
 
-DEEPEST = 0.5
+MAX_PENETRATION = 0.5
 """Cloth may lie this far under the skin [cm]."""
-MOST_STRAIN = 0.25
+MAX_STRAIN = 0.25
 """All but a hundredth of the cloth, by area, may stretch by this share."""
-MOST_SLID = 3.0
+MAX_SLID = 3.0
 """A garment may lie this far from where it is worn [cm]; what sits on the hips, further."""
 HIGH_WAIST = 8.0
 """A top edge at the waist may lie this far above it [cm], as those of waistbands do."""
 SPACING = 4.0
-"""Cloth lies on the shoulders where a vertex is no further from their line than this [cm]: seams
+"""Cloth lies on the shoulders where a vertex is within this distance of their line [cm]: seams
 are moved to the back or to the front of them, and vertices lie 3 cm apart."""
 RESTING = 25
 """So many percent of the cloth over the shoulders should rest on them; a hood's does not all."""
 
 
-def judge(
+def assess_drape(
     cloth: Cloth,
     rest: Rest,
     start: Float[np.ndarray, "vertex 3"],
     points: Float[np.ndarray, "vertex 3"],
     body: Body,
-    items: tuple[Item, ...],
+    items: tuple[GarmentItem, ...],
     motions: tuple[Motion, ...],
     *,
     seconds: float,
 ) -> DrapeReport:
-    """What came of a drape.
+    """Measure a drape and list its faults.
 
     Args:
         cloth: the sewn garment ...
@@ -53,7 +53,7 @@ def judge(
         start: where its vertices began [cm].
         points: where they are now [cm].
         body: who wears it.
-        items: its connected pieces ...
+        items: its items of clothing ...
         motions: ... and how each of them moved.
         seconds: what it took so far.
     """
@@ -62,8 +62,8 @@ def judge(
     speed = max(float(m.speeds[-1]) for m in motions)
     above = body_field(body).at(points)
     penetration = deepest(points, rest.faces, body)
-    stretch = most_strain(rest, points)
-    tight = tight_places(cloth, strain(rest, points), points, body) if stretch > MOST_STRAIN else ""
+    stretch = peak_strain(rest, points)
+    tight = tight_places(cloth, strain(rest, points), points, body) if stretch > MAX_STRAIN else ""
     slid = _slid(points, start, above, body, items)
     return DrapeReport(
         settled=settled,
@@ -73,7 +73,7 @@ def judge(
         strain=stretch,
         slid=slid,
         crossings=crossing_count(points, rest.faces),
-        held=sum(len(i.held) for i in items) / len(points),
+        held=sum(len(i.pinned) for i in items) / len(points),
         items=len(items),
         faults=(
             *_motion_faults(settled, frames, speed, penetration, stretch, tight),
@@ -90,38 +90,40 @@ def _slid(
     start: np.ndarray,
     above: np.ndarray,
     body: Body,
-    items: tuple[Item, ...],
+    items: tuple[GarmentItem, ...],
 ) -> Mapping[str, float]:
     """How far each item lies from where it is worn, the worst of each kind [cm]."""
     slid: dict[str, float] = {}
     for item in items:
-        name = item.standing.held.value
+        name = item.placement.site.value
         slid[name] = max(slid.get(name, 0.0), _off(item, points, start, above, body))
     return slid
 
 
-def _off(item: Item, points: np.ndarray, start: np.ndarray, above: np.ndarray, body: Body) -> float:
+def _off(
+    item: GarmentItem, points: np.ndarray, start: np.ndarray, above: np.ndarray, body: Body
+) -> float:
     """How far an item lies from where the body wears it [cm].
 
     At the waist: how far its top edge lies below the waist, or above where a waistband reaches. At
     the chest: how far its top edge lies from its height over the bust. On the shoulders: how far
     the cloth that should lie on them is from their skin, or from the line along them.
     """
-    if item.standing.held is Held.SHOULDERS:
+    if item.placement.site is SupportSite.SHOULDERS:
         where = item.seams
         if not len(where):
             highest = points[item.vertices, 1].max()
             return max(0.0, float(body.landmarks["left_neck_point"][1] - highest))
-        rests = item.resting if len(item.resting) else where
+        rests = item.over_shoulders if len(item.over_shoulders) else where
         off = max(float(np.percentile(above[rests], RESTING)), _from_shoulders(points[where], body))
     else:
         where = item.top if len(item.top) else item.vertices
         height = max(float(points[where, 1].mean()), 0.0)
-        if item.standing.held is Held.WAIST:
+        if item.placement.site is SupportSite.WAIST:
             over = height - waist_height(body)
             off = max(-over, over - HIGH_WAIST, 0.0)
         else:
-            off = abs(height - item.standing.level)
+            off = abs(height - item.placement.level)
     return max(off, _aside(start[where, 0], points[where, 0]))
 
 
@@ -157,11 +159,11 @@ def _motion_faults(
     faults = []
     if not settled:
         faults.append(f"it still moved after {frames} frames ({speed:.1f} cm/s)")
-    if penetration > DEEPEST:
-        faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {DEEPEST})")
-    if stretch > MOST_STRAIN:
+    if penetration > MAX_PENETRATION:
+        faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {MAX_PENETRATION})")
+    if stretch > MAX_STRAIN:
         faults.append(
-            f"it is too tight: stretched by {stretch:.1%} (at most {MOST_STRAIN:.0%}), {tight}"
+            f"it is too tight: stretched by {stretch:.1%} (at most {MAX_STRAIN:.0%}), {tight}"
         )
     return faults
 
@@ -171,68 +173,68 @@ def _slid_faults(
     start: np.ndarray,
     above: np.ndarray,
     body: Body,
-    items: tuple[Item, ...],
+    items: tuple[GarmentItem, ...],
 ) -> list[str]:
     """What does not lie where the body wears it, and why."""
     faults = []
     for item in items:
-        standing = item.standing
+        placement = item.placement
         far = _off(item, points, start, above, body)
-        limit, sank = MOST_SLID, 0.0
-        if standing.held is Held.WAIST and standing.holds:
+        limit, sank = MAX_SLID, 0.0
+        if placement.site is SupportSite.WAIST and placement.is_supported:
             # Worn on the hips, as its top edge is too long for the waist; but there it must stay.
             limit = on_hips(body)
-            sank = standing.level - float(points[item.top, 1].mean()) if len(item.top) else 0.0
-        if far > limit or sank > MOST_SLID:
-            place = standing.held.value
-            faults.append(f"it slid {far:.1f} cm from the {place}{_too_wide(standing)}")
+            sank = placement.level - float(points[item.top, 1].mean()) if len(item.top) else 0.0
+        if far > limit or sank > MAX_SLID:
+            place = placement.site.value
+            faults.append(f"it slid {far:.1f} cm from the {place}{_too_wide(placement)}")
     return faults
 
 
-def _too_wide(standing: Standing) -> str:
+def _too_wide(placement: Placement) -> str:
     """Why it slid, and what to do, where that is known."""
-    if standing.held is Held.SHOULDERS or standing.length <= standing.girth:
-        return f" (at most {MOST_SLID:g})"
-    at_waist = standing.held is Held.WAIST
+    if placement.site is SupportSite.SHOULDERS or placement.length <= placement.girth:
+        return f" (at most {MAX_SLID:g})"
+    at_waist = placement.site is SupportSite.WAIST
     what = "its top edge" if at_waist else "under its top edge it"
     elastic = f", label its edges {ELASTIC!r} for an elastic" if at_waist else ""
     return (
-        f": {what} is {standing.length:.0f} cm round, the body's {standing.held.value} "
-        f"{standing.girth:.0f}; take it in, sew it to a shorter band{elastic}, or choose a larger "
+        f": {what} is {placement.length:.0f} cm round, the body's {placement.site.value} "
+        f"{placement.girth:.0f}; take it in, sew it to a shorter band{elastic}, or choose a larger "
         "body"
     )
 
 
-def _notes(items: tuple[Item, ...], body: Body) -> tuple[str, ...]:
-    """What a buyer should know of how the garment was put on."""
+def _notes(items: tuple[GarmentItem, ...], body: Body) -> tuple[str, ...]:
+    """How the garment was put on, where that is not obvious."""
     notes = []
     for item in items:
-        standing, name = item.standing, _name(item.standing)
-        place = standing.held.value
-        if not standing.sure:
+        placement, name = item.placement, _name(item.placement)
+        place = placement.site.value
+        if not placement.is_certain:
             notes.append(
-                f"{name} was taken for one worn at the {place} only because {standing.why}; "
+                f"{name} was taken for one worn at the {place} only because {placement.reason}; "
                 "if that is wrong, name the panels at its top, such as skirt_front or bodice_front"
             )
-        below = waist_height(body) - standing.level
-        if 0 < standing.drawn_to < standing.length - EASE - TIGHT:
+        below = waist_height(body) - placement.level
+        if 0 < placement.drawn_length < placement.length - EASE - TIGHT:
             notes.append(
-                f"the top edge of {name}, {standing.length:.0f} cm long, is drawn together to "
-                f"{standing.drawn_to:.0f} cm, as by an elastic"
+                f"the top edge of {name}, {placement.length:.0f} cm long, is drawn together to "
+                f"{placement.drawn_length:.0f} cm, as by an elastic"
             )
-        elif standing.held is Held.WAIST and standing.holds and below > MOST_SLID:
+        elif placement.site is SupportSite.WAIST and placement.is_supported and below > MAX_SLID:
             why = (
-                f"its top edge is {standing.length:.0f} cm round, the body's waist "
-                f"{standing.girth:.0f}"
-                if standing.length > standing.girth + EASE
+                f"its top edge is {placement.length:.0f} cm round, the body's waist "
+                f"{placement.girth:.0f}"
+                if placement.length > placement.girth + EASE
                 else "its crotch would be over the body's"
             )
             notes.append(f"{name} sits on the hips, {below:.0f} cm below the waist: {why}")
     return tuple(notes)
 
 
-def _name(standing: Standing) -> str:
-    return f"the garment of panel {min(standing.panels)[:40]!r}"
+def _name(placement: Placement) -> str:
+    return f"the garment of panel {min(placement.panels)[:40]!r}"
 
 
 def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body: Body) -> list[str]:

@@ -23,7 +23,7 @@ CURVE_CHORDS = 24
 SCALE_BAR_CM = 20.0
 LETTERING = 6.0
 """Size of names and numbers [points]; names shrink to fit their panel ..."""
-SMALLEST_LETTERING = 3.0
+MIN_LETTERING = 3.0
 """... down to this size."""
 NUMBER_SPACE = 1.3
 """A number's middle keeps this many sizes of the lettering away from a name."""
@@ -38,7 +38,7 @@ GRAIN_SPACES = (1.8, 0.4)
 so many that it clears the numbers beside them."""
 GRAIN_SPOTS = 25
 """Places for an arrow that are tried along each side of the panel's box."""
-NUMBER_LIMIT = 60
+MAX_NUMBERS = 60
 """With more seams than this the numbers would hide the drawing and are left out."""
 NAME_LIMIT = 40
 """With more panels than this the names are left out."""
@@ -85,7 +85,7 @@ def draw_pattern(
             _draw_grain(p, letter, ax, named=len(placed) <= NAME_LIMIT)
         if len(placed) <= NAME_LIMIT:
             _draw_name(p, letter, ax)
-        if max(seams.values(), default=0) <= NUMBER_LIMIT:
+        if max(seams.values(), default=0) <= MAX_NUMBERS:
             _draw_numbers(p, seams, letter, ax, named=len(placed) <= NAME_LIMIT)
     if len({p.back for p in placed}) == 2:
         _draw_titles(placed, pad, ax)
@@ -315,7 +315,7 @@ def _lettering(placed: PlacedPanel, letter: float) -> _Lettering:
     if needed > room:
         length, angle = _long_axis(placed)
         room = 0.8 * length
-    share = max(min(1.0, room / needed), SMALLEST_LETTERING / LETTERING)
+    share = max(min(1.0, room / needed), MIN_LETTERING / LETTERING)
     return _Lettering(name, _inner_point(placed), angle, needed * share, share)
 
 

@@ -21,7 +21,7 @@ ORTHOGRAPHIC_DISTANCE = 400.0
 """An orthographic picture tells depths from this far in front of the target [cm]."""
 FILM_HEIGHT_MM = 24.0
 """Height of a 35 mm frame, by which photographers name focal lengths."""
-NEAREST = 5.0
+MIN_DISTANCE = 5.0
 """Nothing may be nearer to a perspective camera than this [cm]."""
 MARGIN = 1.06
 """Size of a fitted picture over the size of what it shows."""
@@ -53,10 +53,10 @@ class Camera:
                 "a camera needs finite numbers and an extent above 0 cm; "
                 f"target {self.target}, extent {self.extent} cm"
             )
-        if self.distance is not None and not self.distance > NEAREST:
+        if self.distance is not None and not self.distance > MIN_DISTANCE:
             raise RenderError(
                 f"a camera {self.distance} cm from its target is too near; "
-                f"choose more than {NEAREST:.0f} cm"
+                f"choose more than {MIN_DISTANCE:.0f} cm"
             )
 
     @property
@@ -95,7 +95,7 @@ class Camera:
         depth = self.stand - z
         scale: float | np.ndarray = samples / self.extent
         if self.distance is not None:
-            if len(depth) and depth.min() < NEAREST:
+            if len(depth) and depth.min() < MIN_DISTANCE:
                 raise RenderError(
                     f"the camera, {self.distance:.0f} cm from its target, stands inside what it "
                     "shows; move it away or choose a longer lens"

@@ -1,4 +1,4 @@
-"""How a photograph of a worn garment varies: light, colours, prints, skin, background, camera."""
+"""How a photograph of a draped garment varies: light, colours, prints, skin, background, camera."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.drape import Worn
+from garmentimage.drape import DrapedGarment
 from garmentimage.errors import RenderError, check_type
 from garmentimage.render.worn.background import PLAIN, gradient, plain
 from garmentimage.render.worn.camera import Camera
@@ -103,7 +103,7 @@ class Look:
 
 
 def photograph(
-    worn: Worn,
+    garment: DrapedGarment,
     look: Look | None = None,
     *,
     view: str = "front",
@@ -113,7 +113,7 @@ def photograph(
     """Picture of a garment on its body.
 
     Args:
-        worn: the garment on its body.
+        garment: the garment on its body.
         look: light, colours and the like; plain colours in a studio unless told.
         view: one of `camera.VIEWS`.
         size: rows and columns of the picture, 16 to 2048.
@@ -121,12 +121,12 @@ def photograph(
 
     Raises:
         RenderError: there is no such view, or the size is out of range.
-        TypeError: the garment is no Worn.
+        TypeError: it is not a DrapedGarment.
     """
-    check_type(worn, Worn, "garmentimage.drape_pattern makes one, load_worn reads one")
+    check_type(garment, DrapedGarment, "garmentimage.drape_pattern makes one, load_drape reads one")
     look = look or Look()
-    surfaces = surfaces_of(worn, skin=look.skin, colours=look.colours, prints=look.prints)
-    camera = look.camera(body_camera(worn.body, view))
+    surfaces = surfaces_of(garment, skin=look.skin, colours=look.colours, prints=look.prints)
+    camera = look.camera(body_camera(garment.body, view))
     return picture(
         surfaces, camera, size=size, light=look.light, background=look.background, seams=seams
     )

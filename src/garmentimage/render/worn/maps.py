@@ -21,11 +21,11 @@ from garmentimage.render.worn.photographing import Views
 
 DEPTH_STEP = 0.01
 """Depth that one level of a depth picture stands for [cm]."""
-DEEPEST_LEVEL = 65_535
+MAX_LEVEL = 65_535
 """Depths beyond this level read as this level."""
 NOTHING, BODY = "#ffffff", "#b8b8b8"
 """Colours in which the panel picture shows what is no panel."""
-MOST_PANELS = 254
+MAX_PANELS = 254
 """A palette has 256 entries, two of which are not panels."""
 
 
@@ -33,7 +33,7 @@ def depth_levels(views: Views) -> UInt16[np.ndarray, "row col"]:
     """Depth in steps of `DEPTH_STEP`, 0 where nothing is."""
     seen = np.isfinite(views.depth)
     levels = np.rint(np.where(seen, views.depth, 0.0) / DEPTH_STEP)
-    return np.where(seen, np.clip(levels, 1, DEEPEST_LEVEL), 0).astype(np.uint16)
+    return np.where(seen, np.clip(levels, 1, MAX_LEVEL), 0).astype(np.uint16)
 
 
 def normal_colours(views: Views) -> UInt8[np.ndarray, "row col 3"]:
@@ -48,9 +48,9 @@ def panel_numbers(views: Views) -> UInt8[np.ndarray, "row col"]:
         RenderError: more panels than a palette has entries for.
     """
     last = int(views.panel.max(initial=0))
-    if last > MOST_PANELS:
+    if last > MAX_PANELS:
         raise RenderError(
-            f"a picture of panels tells {MOST_PANELS} of them apart, and this one shows panel "
+            f"a picture of panels tells {MAX_PANELS} of them apart, and this one shows panel "
             f"{last}; read the numbers in Python, from `Views.panel`"
         )
     return (views.panel + 1).astype(np.uint8)
@@ -71,7 +71,7 @@ def _paletted(numbers: UInt8[np.ndarray, "row col"]) -> Any:
     from PIL import Image, ImageColor
 
     tints = [NOTHING, BODY]
-    tints += [SEAM_COLOURS[k % len(SEAM_COLOURS)] for k in range(MOST_PANELS)]
+    tints += [SEAM_COLOURS[k % len(SEAM_COLOURS)] for k in range(MAX_PANELS)]
     image = Image.fromarray(np.ascontiguousarray(numbers)).convert("L")
     image.putpalette([level for tint in tints for level in ImageColor.getrgb(tint)])
     return image

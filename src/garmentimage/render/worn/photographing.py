@@ -1,6 +1,6 @@
-"""Pictures of worn garments, with depth, normals, panels and silhouette from the same call.
+"""Pictures of draped garments, with depth, normals, panels and silhouette from the same call.
 
-    views = picture(surfaces_of(worn), body_camera(worn.body), size=256)
+    views = picture(surfaces_of(garment), body_camera(garment.body), size=256)
     save_png("front.png", views.colour)
 
 Row 0 of every picture is at the TOP, unlike the rasters of this project. Rendering runs on one CPU
@@ -34,7 +34,7 @@ from garmentimage.render.worn.zbuffer import seen_by
 
 SIZE_LIMITS = (16, 2048)
 """Smallest and largest picture [pixel]."""
-SURFACE_LIMIT = 250
+MAX_SURFACES = 250
 """Most surfaces of one picture."""
 
 
@@ -90,9 +90,9 @@ def picture(
     low, high = SIZE_LIMITS
     if isinstance(size, bool) or not isinstance(size, int | np.integer) or not low <= size <= high:
         raise RenderError(f"a picture of {size} pixels: choose a whole number from {low} to {high}")
-    if len(surfaces) > SURFACE_LIMIT:
+    if len(surfaces) > MAX_SURFACES:
         raise RenderError(
-            f"{len(surfaces)} surfaces are too many for a picture; join them to {SURFACE_LIMIT}"
+            f"{len(surfaces)} surfaces are too many for a picture; join them to {MAX_SURFACES}"
         )
     size = int(size)
     # Still surfaces first: their numbers, from 1, must not depend on the moving ones.

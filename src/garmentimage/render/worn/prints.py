@@ -19,7 +19,7 @@ TILE = 64
 """Rows and columns of a tile that we draw ..."""
 WEAVE_TILE = 256
 """... and of one with random detail."""
-PIXEL_LIMIT = 16_000_000
+MAX_PIXELS = 16_000_000
 """Largest picture that is read as a print."""
 _OCTAVES = ((2, 0.5), (8, 0.35), (32, 0.6), (128, 0.8))
 """Waves over a tile, and their strength, that make up random detail."""
@@ -94,10 +94,10 @@ def read_picture(path: str | PathLike[str]) -> Float[np.ndarray, "row col 3"]:
 
     try:
         with Image.open(path) as image:
-            if image.width * image.height > PIXEL_LIMIT:
+            if image.width * image.height > MAX_PIXELS:
                 raise RenderError(
                     f"{shown_path(path)}: has {image.width} x {image.height} pixels; "
-                    f"make it smaller than {PIXEL_LIMIT // 1_000_000} million"
+                    f"make it smaller than {MAX_PIXELS // 1_000_000} million"
                 )
             return np.asarray(image.convert("RGB"), float)
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
@@ -111,7 +111,7 @@ def read_picture(path: str | PathLike[str]) -> Float[np.ndarray, "row col 3"]:
         if isinstance(error, Image.DecompressionBombError):
             raise RenderError(
                 f"{shown_path(path)}: has too many pixels; "
-                f"make it smaller than {PIXEL_LIMIT // 1_000_000} million"
+                f"make it smaller than {MAX_PIXELS // 1_000_000} million"
             ) from None
         raise RenderError(
             f"{shown_path(path)}: is no picture that can be read; save it as PNG or JPEG"

@@ -1,4 +1,4 @@
-"""What a picture shows: triangle surfaces with colours, made from bodies and worn garments."""
+"""What a picture shows: triangle surfaces with colours, made from bodies and draped garments."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 
 from garmentimage.body import Body
-from garmentimage.drape import Cloth, Worn
+from garmentimage.drape import Cloth, DrapedGarment
 from garmentimage.drape.mesh import vertex_normals
 from garmentimage.errors import RenderError, quoted
 from garmentimage.render.worn.prints import Print
@@ -93,17 +93,17 @@ def body_surface(body: Body, skin: Tint = SKIN) -> Surface:
 
 
 def surfaces_of(
-    worn: Worn,
+    garment: DrapedGarment,
     *,
     skin: Tint | None = SKIN,
     colours: Mapping[str, Tint] = PAPER_COLOURS,
     prints: Mapping[str, Print] = MappingProxyType({}),
     creased: bool = False,
 ) -> tuple[Surface, ...]:
-    """The surfaces of a worn garment: the body, then the cloth, one surface a panel group.
+    """The surfaces of a draped garment: the body, then the cloth, one surface a panel group.
 
     Args:
-        worn: the garment on its body.
+        garment: the garment on its body.
         skin: colour of the body; None leaves it away.
         colours: by the name of a panel, its label, or its group (see `panel_groups`), the first
             that is found; where none is, the paper's colour of the group.
@@ -111,13 +111,13 @@ def surfaces_of(
             cloth is plain.
         creased: whether the shading breaks at seams; it is smooth over them otherwise.
     """
-    cloth = worn.cloth
+    cloth = garment.cloth
     if creased:
-        points, faces = worn.points[cloth.vertex], cloth.faces
+        points, faces = garment.points[cloth.vertex], cloth.faces
     else:
-        points, faces = worn.points, cloth.vertex_faces
+        points, faces = garment.points, cloth.vertex_faces
     normals = vertex_normals(points, faces)
-    groups = panel_groups(worn)
+    groups = panel_groups(garment)
     panels = cloth.pattern.panels
     printed = [_chosen(prints, p.name, p.label, g) for p, g in zip(panels, groups)]
     wanted = {**PAPER_COLOURS, **colours}
@@ -128,7 +128,7 @@ def surfaces_of(
         ]
     )
     seams, hems = cloth_lines(cloth, sewn=not creased)
-    found = [] if skin is None else [body_surface(worn.body, skin)]
+    found = [] if skin is None else [body_surface(garment.body, skin)]
     # One surface for each print: they share points, and so the shading over their seams.
     kinds = list(dict.fromkeys(printed))
     for number, cloth_print in enumerate(kinds):
@@ -152,7 +152,7 @@ def surfaces_of(
     return tuple(found)
 
 
-def panel_groups(worn: Worn) -> tuple[str, ...]:
+def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
     """For each panel "top", "bottom" or "dress", by where its cloth hangs.
 
     Names of panels tell too little (half of all patterns have a "front"). A panel that reaches the
@@ -162,9 +162,9 @@ def panel_groups(worn: Worn) -> tuple[str, ...]:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    cloth, panels = worn.cloth, worn.cloth.pattern.panels
-    floor, crown = worn.body.vertices[:, 1].min(), worn.body.vertices[:, 1].max()
-    share = (worn.points[cloth.vertex, 1] - floor) / (crown - floor)
+    cloth, panels = garment.cloth, garment.cloth.pattern.panels
+    floor, crown = garment.body.vertices[:, 1].min(), garment.body.vertices[:, 1].max()
+    share = (garment.points[cloth.vertex, 1] - floor) / (crown - floor)
     high, low = np.full(len(panels), -np.inf), np.full(len(panels), np.inf)
     np.maximum.at(high, cloth.panel, share)
     np.minimum.at(low, cloth.panel, share)
@@ -174,8 +174,8 @@ def panel_groups(worn: Worn) -> tuple[str, ...]:
     pairs = [(number[s.a.panel], number[s.b.panel]) for s in cloth.pattern.stitches]
     rows, cols = np.array(pairs, int).reshape(-1, 2).T
     sewn = coo_array((np.ones(len(rows)), (rows, cols)), shape=(len(panels),) * 2)
-    _, garment = connected_components(sewn, directed=False)
-    dress |= top & np.isin(garment, garment[dress])
+    _, item = connected_components(sewn, directed=False)
+    dress |= top & np.isin(item, item[dress])
     return tuple("dress" if d else "top" if t else "bottom" for d, t in zip(dress, top))
 
 

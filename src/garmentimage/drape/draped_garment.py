@@ -1,4 +1,4 @@
-"""A draped garment: where its cloth came to rest on the body, and how well it did."""
+"""A draped garment: its cloth at rest on a body, and a report."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from garmentimage.drape.cloth import Cloth
 
 @dataclass(frozen=True)
 class DrapeReport:
-    """What a buyer would ask of a drape. Lengths in cm; shares from 0 to 1."""
+    """How well a drape succeeded. Lengths in cm; shares from 0 to 1."""
 
     settled: bool
     """Whether the cloth came to rest before the last frame."""
@@ -33,17 +33,17 @@ class DrapeReport:
     held: float
     """Share of the vertices that were held at their height, as by a belt."""
     items: int
-    """Connected pieces of clothing."""
+    """Items of clothing."""
     faults: tuple[str, ...]
-    """What went wrong, a sentence each; none for a good drape."""
+    """Reasons why the drape failed, a sentence each; none for a good drape."""
     seconds: float
     """Time for mesh and simulation [s]."""
     notes: tuple[str, ...] = ()
-    """How the garment was put on, where that is not plain; a sentence each."""
+    """How the garment was put on, where that is not obvious; a sentence each."""
 
 
 @dataclass(frozen=True, eq=False)
-class Worn:
+class DrapedGarment:
     """A garment on a body."""
 
     cloth: Cloth
