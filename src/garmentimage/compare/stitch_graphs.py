@@ -24,7 +24,7 @@ from math import dist, sqrt
 import numpy as np
 
 from garmentimage.compare.matching import MIRRORED, POSES, TURNED
-from garmentimage.geometry import Curve, Point, centroid, signed_area
+from garmentimage.geometry import Curve, Point, centroid, connected_components, signed_area
 from garmentimage.pattern import Pattern, Run, sewn_runs
 
 LENGTH_TOL_SHARE = 0.02
@@ -102,19 +102,8 @@ class StitchGraph:
     @cached_property
     def components(self) -> tuple[tuple[int, ...], ...]:
         """Seam sides that hang together, largest set first."""
-        seen: set[int] = set()
-        found = []
-        for start in range(len(self.sides)):
-            if start in seen:
-                continue
-            seen.add(start)
-            reached = [start]
-            for k in reached:
-                for n in (self.sides[k].next, self.sides[k].partner):
-                    if n not in seen:
-                        seen.add(n)
-                        reached.append(n)
-            found.append(tuple(sorted(reached)))
+        joined = [(k, n) for k, s in enumerate(self.sides) for n in (s.next, s.partner)]
+        found = map(tuple, connected_components(len(self.sides), joined))
         return tuple(sorted(found, key=lambda c: (-len(c), c)))
 
 

@@ -6,6 +6,9 @@ from ._kernels_union_find import (
     merge as merge,
     root_of as root_of,
 )
+from .components import (
+    connected_components as connected_components,
+)
 from .crossings import (
     contains as contains,
     touching_sides as touching_sides,

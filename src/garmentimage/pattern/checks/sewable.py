@@ -4,7 +4,6 @@ An error is raised at the first fault; a `Finding` is a fact that the pattern's 
 and that does not stop the work.
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from math import hypot, isfinite
 
@@ -12,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.errors import PatternError, StitchError, quoted
-from garmentimage.geometry import polyline_length
+from garmentimage.geometry import connected_components, polyline_length
 from garmentimage.pattern.checks.placement import placement_findings
 from garmentimage.pattern.checks.split_seams import half_sewn_findings
 from garmentimage.pattern.finding import PANELS_NAMED, Finding, some
@@ -446,23 +445,12 @@ def _check_assembly(pattern: Pattern) -> list[Finding]:
 
 def components(pattern: Pattern) -> list[list[str]]:
     """Names of the panels that hang together by stitches, in the order of the panels."""
-    neighbours: dict[str, set[str]] = defaultdict(set)
-    for stitch in pattern.stitches:
-        neighbours[stitch.a.panel].add(stitch.b.panel)
-        neighbours[stitch.b.panel].add(stitch.a.panel)
-    piece_of: dict[str, int] = {}
-    pieces: list[list[str]] = []
-    for panel in pattern.panels:
-        if panel.name not in piece_of:
-            pieces.append([])
-            waiting = [panel.name]
-            while waiting:
-                name = waiting.pop()
-                if name not in piece_of:
-                    piece_of[name] = len(pieces) - 1
-                    waiting.extend(neighbours[name])
-        pieces[piece_of[panel.name]].append(panel.name)
-    return pieces
+    number = {panel.name: k for k, panel in enumerate(pattern.panels)}
+    joined = [(number[s.a.panel], number[s.b.panel]) for s in pattern.stitches]
+    return [
+        [pattern.panels[k].name for k in members]
+        for members in connected_components(len(number), joined)
+    ]
 
 
 def _are(names: Sequence[str]) -> str:

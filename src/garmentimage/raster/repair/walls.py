@@ -10,10 +10,12 @@ place, and the costs too, so that its decision lasts.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from garmentimage.geometry import connected_components
 from garmentimage.raster.cells import label_panels
 from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
 from garmentimage.raster.repair.labelling import CERTAIN_COST
@@ -79,25 +81,12 @@ def whole_seams(inside: Flags, types: Types, cost: Costs) -> int:
 
 def _connected(walls: list[Wall]) -> list[list[Wall]]:
     """Walls grouped into chains that hang together."""
-    at: dict[tuple[int, int], list[Wall]] = {}
-    for wall in walls:
+    at_point: dict[tuple[int, int], list[int]] = {}
+    for k, wall in enumerate(walls):
         for point in _ends(wall):
-            at.setdefault(point, []).append(wall)
-    seen: set[Wall] = set()
-    chains = []
-    for wall in walls:
-        if wall in seen:
-            continue
-        seen.add(wall)
-        chain, queue = [], [wall]
-        while queue:
-            chain.append(queue.pop())
-            for near in (w for point in _ends(chain[-1]) for w in at[point]):
-                if near not in seen:
-                    seen.add(near)
-                    queue.append(near)
-        chains.append(chain)
-    return chains
+            at_point.setdefault(point, []).append(k)
+    joined = [pair for meeting in at_point.values() for pair in pairwise(meeting)]
+    return [[walls[k] for k in chain] for chain in connected_components(len(walls), joined)]
 
 
 def _settle(chain: list[Wall], types: np.ndarray, cost: np.ndarray, *, divides: bool) -> bool:
