@@ -13,7 +13,8 @@ from garmentimage.pattern.checks.sewable import check_pattern
 from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.raster.cells import cell_mesh
 from garmentimage.raster.channels import CHANNELS_PER_LAYER
-from garmentimage.raster.decode.decoder import decode, unfold_cells
+from garmentimage.raster.decode.decoder import decode
+from garmentimage.raster.decode.unfold import unfold_cells
 from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark

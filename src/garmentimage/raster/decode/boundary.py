@@ -8,6 +8,7 @@ other, whatever their layers: the start of one meets the end of the other.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -88,34 +89,55 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
     to the same side of the same cell on the other layer of its pair. A half-edge whose partner is
     missing stays free.
     """
+    sides = [_sides_of(image, cluster) for cluster in clusters]
+    sizes = [len(each.kind) for each in sides]
+    first = np.cumsum([0, *sizes[:-1]])
+    onward = np.concatenate([each.onward + k for each, k in zip(sides, first, strict=True)])
+    preceding = np.empty(len(onward), np.int64)
+    preceding[onward] = np.arange(len(onward))
+    return Boundary(
+        np.repeat(np.arange(len(clusters)), sizes),
+        np.concatenate([each.tail for each in sides]),
+        np.concatenate([each.head for each in sides]),
+        _partners(image, sides),
+        onward,
+        preceding,
+    )
+
+
+class _ClusterSides(NamedTuple):
+    """The half-edges of one cluster, numbered from 0."""
+
+    place: Int[np.ndarray, "half 4"]
+    """Layer, row and column of the cell, and its side."""
+    kind: Int[np.ndarray, " half"]
+    """`EdgeType` of each."""
+    tail: Float[np.ndarray, "half 2"]
+    head: Float[np.ndarray, "half 2"]
+    onward: Int[np.ndarray, " half"]
+    """The next one with the cloth on the left, seen from outside the body."""
+
+
+def _sides_of(image: GarmentImage, cluster: Cluster) -> _ClusterSides:
+    half = half_edges(cluster.mesh, image.edge_type[cluster.layer])
+    cells = cluster.mesh.cells[half.cell]
+    place = np.column_stack([np.full(len(cells), cluster.layer), cells, half.side])
+    start, end = cluster.vertices[half.start], cluster.vertices[half.end]
+    if cluster.outward > 0:
+        return _ClusterSides(place, half.edge_type, start, end, half.following)
+    onward = np.empty(len(cells), np.int64)
+    onward[half.following] = np.arange(len(cells))
+    return _ClusterSides(place, half.edge_type, end, start, onward)
+
+
+def _partners(image: GarmentImage, sides: Sequence[_ClusterSides]) -> Int[np.ndarray, " half"]:
+    """The half-edge that each is sewn to, by its edge type; `NONE` where there is none."""
+    kind = np.concatenate([each.kind for each in sides])
+    layer, row, col, side = np.concatenate([each.place for each in sides]).T
     grid = image.grid
+    # One cell wider on all sides, so that what lies beyond the grid has no number either.
     number = np.full((image.layers, grid + 2, grid + 2, 4), NONE)
-    owner, layers, rows, cols, sides, kinds = [], [], [], [], [], []
-    tails, heads, following = [], [], []
-    count = 0
-    for index, cluster in enumerate(clusters):
-        half = half_edges(cluster.mesh, image.edge_type[cluster.layer])
-        cells = cluster.mesh.cells[half.cell]
-        size = len(cells)
-        owner.append(np.full(size, index))
-        layers.append(np.full(size, cluster.layer))
-        rows.append(cells[:, 0])
-        cols.append(cells[:, 1])
-        sides.append(half.side)
-        kinds.append(half.edge_type)
-        start, end = cluster.vertices[half.start], cluster.vertices[half.end]
-        onward = half.following
-        if cluster.outward < 0:
-            start, end = end, start
-            onward = np.empty(size, np.int64)
-            onward[half.following] = np.arange(size)
-        tails.append(start)
-        heads.append(end)
-        following.append(onward + count)
-        count += size
-    layer, row, col, side = (np.concatenate(x) for x in (layers, rows, cols, sides))
-    kind = np.concatenate(kinds)
-    number[layer, row + 1, col + 1, side] = np.arange(count)
+    number[layer, row + 1, col + 1, side] = np.arange(len(kind))
     step = np.array(NEIGHBOURS)[side]
     beside = number[layer, row + 1 + step[:, 0], col + 1 + step[:, 1], (side + 2) % 4]
     other = layer ^ 1
@@ -125,24 +147,15 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
         NONE,
     )
     opposite[kind[opposite] != EdgeType.FRONT_TO_BACK] = NONE
-    partner = np.full(count, NONE)
-    partner = np.where(kind == EdgeType.SIDE_BY_SIDE, beside, partner)
+    partner = np.where(kind == EdgeType.SIDE_BY_SIDE, beside, np.full(len(kind), NONE))
     partner = np.where(kind == EdgeType.FRONT_TO_BACK, opposite, partner)
-    onward = np.concatenate(following)
-    preceding = np.empty(count, np.int64)
-    preceding[onward] = np.arange(count)
-    return Boundary(
-        np.concatenate(owner),
-        np.concatenate(tails),
-        np.concatenate(heads),
-        partner,
-        onward,
-        preceding,
-    )
+    return partner
 
 
 def close_slits(boundary: Boundary, clusters: Sequence[Cluster], chosen: set[int]) -> Boundary:
     """Sew up the slits of the `chosen` clusters from the tip as far as their legs overlap."""
+    if not chosen:
+        return boundary
     following, preceding = boundary.following.copy(), boundary.preceding.copy()
     tail, head = boundary.tail.copy(), boundary.head.copy()
     tips = np.flatnonzero((boundary.partner != NONE) & (boundary.partner == boundary.following))

@@ -1,0 +1,161 @@
+"""Panels named, turned into their own frames, placed round the body, and their edges sewn."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from garmentimage.geometry import centroid, signed_area
+from garmentimage.pattern import (
+    Loop,
+    Panel,
+    Pattern,
+    Point,
+    Side,
+    Stitch,
+    euler_angles,
+    loop_from_curves,
+)
+from garmentimage.raster.decode.boundary import Boundary, Cluster
+from garmentimage.raster.decode.fit_edges import FittedPanels
+from garmentimage.raster.decode.naming import panel_names
+from garmentimage.raster.image import GarmentImage, PanelMark
+
+DEPTH_CM = 20.0
+"""Distance of front and back panels from the plane between them, where no mark says better."""
+
+LAYER_STEP_CM = 3.0
+"""How much farther out each further pair of layers is placed."""
+
+ORTHOGONAL_TOL = 1e-3
+
+
+@dataclass(frozen=True)
+class PanelFrames:
+    """Each panel in a frame of its own: raster frame = matrix @ panel frame + shift."""
+
+    boundary: Boundary
+    """Half-edges in the frames of their panels [cm]."""
+    matrices: list[Float[np.ndarray, "2 2"]]
+    """For each cluster, orthogonal."""
+    shifts: list[Float[np.ndarray, " 2"]]
+    """For each cluster where the raster frame puts the panel's origin [cm]."""
+
+
+def marks_of_clusters(
+    image: GarmentImage, labels: Int[np.ndarray, "layer row col"], panel_count: int
+) -> list[PanelMark | None]:
+    """The mark of each cluster, found by its cell; the first where several name one cluster."""
+    marks: list[PanelMark | None] = [None] * panel_count
+    for mark in image.marks:
+        row, col = mark.cell
+        if not (0 <= mark.layer < image.layers and 0 <= row < image.grid and 0 <= col < image.grid):
+            continue
+        k = int(labels[mark.layer, row, col])
+        if k >= 0 and marks[k] is None:
+            marks[k] = mark
+    return marks
+
+
+def panel_frames(
+    boundary: Boundary, clusters: Sequence[Cluster], marks: Sequence[PanelMark | None]
+) -> PanelFrames:
+    """Points in each panel's own frame, its centroid at the mark's anchor."""
+    matrices = [_frame_matrix(c, m) for c, m in zip(clusters, marks, strict=True)]
+    tail, head = boundary.tail.copy(), boundary.head.copy()
+    # Parts of split panels must find their places exactly; the others are moved once refitted.
+    middles = [c.vertices.mean(axis=0) for c in clusters]
+    sizes = [0.0] * len(clusters)
+    for loop in boundary.loops:
+        k = int(boundary.cluster[loop[0]])
+        mark = marks[k]
+        if mark is not None and mark.split_of is not None:
+            size = abs(signed_area(tail[loop]))
+            if size > sizes[k]:
+                sizes[k], middles[k] = size, centroid(tail[loop])
+    shifts = []
+    for k, (matrix, mark) in enumerate(zip(matrices, marks, strict=True)):
+        anchor = np.zeros(2) if mark is None else np.array(mark.anchor, float)
+        shifts.append(middles[k] - matrix @ anchor)
+        own = boundary.cluster == k
+        tail[own] = (tail[own] - shifts[k]) @ matrix
+        head[own] = (head[own] - shifts[k]) @ matrix
+    return PanelFrames(replace(boundary, tail=tail, head=head), matrices, shifts)
+
+
+def _frame_matrix(cluster: Cluster, mark: PanelMark | None) -> Float[np.ndarray, "2 2"]:
+    """Raster frame = matrix @ panel frame; a back panel without a mark is seen from outside."""
+    if mark is not None:
+        matrix = np.array(mark.matrix, float)
+        if np.abs(matrix @ matrix.T - np.eye(2)).max() < ORTHOGONAL_TOL:
+            return matrix
+    return np.diag([float(cluster.outward), 1.0])
+
+
+def assemble(
+    image: GarmentImage,
+    clusters: Sequence[Cluster],
+    marks: Sequence[PanelMark | None],
+    frames: PanelFrames,
+    fitted: FittedPanels,
+) -> Pattern:
+    """The pattern: panels with names and places, stitches between their edges."""
+    names = panel_names(image, clusters, marks, fitted.whole)
+    loops = fitted.seams.loops
+    panels = []
+    place: dict[int, tuple[str, int]] = {}
+    for k, own in sorted(fitted.members.items()):
+        first = 0
+        for i in own:
+            place[i] = names[k], first
+            first += len(loops[i].curves)
+        mark, move = marks[k], np.zeros(2)
+        is_unsplit = (fitted.whole == k).sum() == 1
+        if mark is not None and is_unsplit:
+            move = np.array(mark.anchor) - centroid(fitted.polygons[own[0]])
+        drawn = [_moved(loop_from_curves(loops[i].curves), move) for i in own]
+        matrix = frames.matrices[k]
+        shift = frames.shifts[k] - matrix @ move
+        panels.append(_place_panel(names[k], drawn, clusters[k], mark, matrix, shift))
+    sewn = tuple(Stitch(_side(place, a), _side(place, b)) for a, b in fitted.seams.stitches)
+    return Pattern(tuple(panels), sewn, image.name)
+
+
+def _side(place: Mapping[int, tuple[str, int]], edge: tuple[int, int]) -> Side:
+    """The side of a panel that edge (loop, number) is; `place` has the first edge of each loop."""
+    name, first = place[edge[0]]
+    return Side(name, first + edge[1])
+
+
+def _place_panel(
+    name: str,
+    loops: Sequence[Loop],
+    cluster: Cluster,
+    mark: PanelMark | None,
+    matrix: Float[np.ndarray, "2 2"],
+    shift: Float[np.ndarray, " 2"],
+) -> Panel:
+    """One panel in its frame and its place round the body."""
+    turn = np.zeros((3, 3))
+    turn[:2, :2], turn[2, 2] = matrix, np.linalg.det(matrix)
+    depth = cluster.outward * (DEPTH_CM + LAYER_STEP_CM * (cluster.layer // 2))
+    rotation, translation = euler_angles(turn), (float(shift[0]), float(shift[1]), depth)
+    return Panel(
+        name,
+        loops[0],
+        tuple(loops[1:]),
+        translation if mark is None or mark.translation is None else mark.translation,
+        rotation if mark is None or mark.rotation is None else mark.rotation,
+        label=None if mark is None else mark.label,
+        grain=None if mark is None else mark.grain,
+        cloth_layer=cluster.layer // 2,
+    )
+
+
+def _moved(loop: Loop, move: Float[np.ndarray, " 2"]) -> Loop:
+    # Curvature is relative to the edge, so only the vertices move.
+    vertices: tuple[Point, ...] = tuple(
+        (float(x + move[0]), float(y + move[1])) for x, y in loop.vertices
+    )
+    return Loop(vertices, loop.edges)

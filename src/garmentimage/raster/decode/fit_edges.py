@@ -1,0 +1,114 @@
+"""Boundaries as edges: parts of split panels joined, runs refitted to curves that do not cross."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Int
+
+from garmentimage.geometry import signed_area, touching_sides
+from garmentimage.pattern import chord_count, polygon_of
+from garmentimage.raster.decode.boundary import NONE, Boundary, Cluster, join_parts
+from garmentimage.raster.decode.divisions import with_divisions
+from garmentimage.raster.decode.edges import CutLoop, Seams, cut_into_edges
+from garmentimage.raster.decode.outlines import Polygons, is_outline, until_simple
+from garmentimage.raster.image import GarmentImage, PanelMark
+
+MAX_STRAIGHTEN_ROUNDS = 4
+"""How often runs that cross are made straight one by one; then all runs of their panels are."""
+
+
+@dataclass(frozen=True)
+class FittedPanels:
+    """Panels whose edges are curves."""
+
+    boundary: Boundary
+    """Half-edges after joining."""
+    whole: Int[np.ndarray, " cluster"]
+    """For each cluster the one that it was joined to; itself where none."""
+    seams: Seams
+    polygons: list[np.ndarray]
+    """Each loop as the polygon of its curves."""
+    members: dict[int, list[int]]
+    """Loops of each panel, by its cluster; the outline first, then holes by their size."""
+
+    @property
+    def outlines(self) -> Mapping[int, Polygons]:
+        """Polygons by cluster."""
+        return {k: [self.polygons[i] for i in own] for k, own in self.members.items()}
+
+    def divided(
+        self,
+        image: GarmentImage,
+        clusters: Sequence[Cluster],
+        marks: Sequence[PanelMark | None],
+    ) -> "FittedPanels":
+        """With the vertices that marks keep; unchanged where an outline would cross itself then."""
+        seams = with_divisions(self.seams, self.boundary, image, clusters, marks)
+        if seams is self.seams:
+            return self
+        found = replace(self, seams=seams, polygons=[polygon_of(x.curves) for x in seams.loops])
+        return found if all(map(is_outline, found.outlines.values())) else self
+
+
+def fit_edges(boundary: Boundary, part_of: Sequence[str | None]) -> FittedPanels:
+    """Join the parts of split panels and refit all edges such that no outline crosses itself.
+
+    Where curves cross, their runs keep the straight chords of the polyline. Chords of one cluster
+    never cross, so what crosses when all are straight was joined wrongly: it is taken apart again.
+
+    Args:
+        boundary: as unfolded, in the frames of the panels.
+        part_of: for each cluster the name of the panel that it is a part of, or None.
+    """
+    straight: set[int] = set()
+    names = list(part_of)
+
+    def build() -> FittedPanels:
+        joined, whole = join_parts(boundary, names)
+        loops = joined.loops
+        seams = cut_into_edges(joined, loops, straight)
+        polygons = [polygon_of(loop.curves) for loop in seams.loops]
+        members: dict[int, list[int]] = {}
+        for index, loop in enumerate(loops):
+            members.setdefault(int(whole[joined.cluster[loop[0]]]), []).append(index)
+        for own in members.values():
+            if len(own) > 1:
+                own.sort(key=lambda i: -abs(signed_area(polygons[i])))
+        return FittedPanels(joined, whole, seams, polygons, members)
+
+    def relax(panels: FittedPanels, faulty: list[int], turn: int) -> None:
+        for k in faulty:
+            runs = _runs_to_straighten(panels, k, every=turn > MAX_STRAIGHTEN_ROUNDS)
+            nothing_left_to_straighten = runs <= straight
+            if nothing_left_to_straighten:
+                for part in np.flatnonzero(panels.whole == k).tolist():
+                    names[part] = None
+            straight.update(runs)
+
+    return until_simple(build, relax)
+
+
+def _runs_to_straighten(panels: FittedPanels, k: int, *, every: bool) -> set[int]:
+    """Runs of panel `k`: all, or of every two that cross the curved one with fewer points."""
+    loops = [panels.seams.loops[i] for i in panels.members[k]]
+    if every:
+        return {run for loop in loops for run in loop.runs}
+    run_of = _curved_run_of_chords(loops)
+    chords = panels.seams.chords
+    runs = set()
+    for pair in touching_sides(panels.outlines[k]).tolist():
+        curved = [run_of[i] for i in pair if run_of[i] != NONE]
+        if curved:
+            runs.add(min(curved, key=lambda run: (chords[run], run)))
+    return runs
+
+
+def _curved_run_of_chords(loops: Sequence[CutLoop]) -> list[int]:
+    """For each side of the loops' polygons its run; `NONE` where the edge is straight."""
+    return [
+        run if not curve.is_straight else NONE
+        for loop in loops
+        for curve, run in zip(loop.curves, loop.runs, strict=True)
+        for _ in range(chord_count(curve))
+    ]
