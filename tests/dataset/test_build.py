@@ -88,7 +88,7 @@ def test_a_shard_has_the_same_bytes_every_time_and_tells_what_failed():
     facts = parse_metadata(pq.read_schema(BytesIO(raw)))
     assert facts.failed == (failed,) and facts.identity == shard.identity()
     assert facts.types == tuple(each.name for each in SMALL.types)
-    with pytest.raises(DatasetError, match="no shard"):
+    with pytest.raises(DatasetError, match="not a shard"):
         parse_metadata(pa.schema([]))
 
 
@@ -142,7 +142,7 @@ def test_a_full_disk_keeps_what_was_finished(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_what_a_killed_build_left_is_gone_on_with(tmp_path):
+def test_a_killed_build_is_resumed(tmp_path):
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     build_dataset(small(whole))
     code = f"""
@@ -181,8 +181,8 @@ row = found["train"].with_format("numpy")[0]
 print(sorted(found), row["raster"].shape, row["raster"].dtype, row["picture_front"].shape)
 """
     build_dataset(BuildSettings(WITH_PICTURES, tmp_path / "set", 20), workers=1)
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.split("\n")[0] == (
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split("\n")[0] == (
         "['test', 'train', 'unseen', 'validation'] (2, 17, 16, 16) float32 (64, 64, 3)"
     )
     sheet = row_sheet(tmp_path / "set", 4)
@@ -199,7 +199,7 @@ def test_a_folder_of_another_dataset_is_left_alone(tmp_path):
             build_dataset(small(tmp_path))
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "README.md").write_text("mine")
-    with pytest.raises(DatasetError, match="holds other files and no dataset"):
+    with pytest.raises(DatasetError, match="holds files but no dataset"):
         build_dataset(small(tmp_path / "other"))
     assert (tmp_path / "other" / "README.md").read_text() == "mine"
 
@@ -240,13 +240,13 @@ def with_a_bit_turned(shard: Path) -> None:
 @pytest.mark.parametrize(
     ("damage", "sentence"),
     [
-        (linked, "is no plain file; remove it and build again"),
-        (of_other_rows, "holds other rows than it should; remove it"),
-        (with_fewer_rows, "holds other rows than it should; remove it"),
+        (linked, "not a regular file; remove it and build again"),
+        (of_other_rows, "has other rows than planned; remove it"),
+        (with_fewer_rows, "has other rows than planned; remove it"),
         (with_a_bit_turned, "cannot be read"),
         (lambda shard: shard.write_bytes(b""), "cannot be read"),
-        (lambda shard: pq.write_table(pa.table({"a": [1]}), shard), "is no shard of this version"),
-        (lambda shard: shutil.copy(shard, shard.parent / "train-9.parquet"), "is no shard of this"),
+        (lambda shard: pq.write_table(pa.table({"a": [1]}), shard), "not a shard of this version"),
+        (lambda shard: shutil.copy(shard, shard.parent / "train-9.parquet"), "not a shard of this"),
     ],
 )
 def test_shards_that_were_changed_are_never_taken_for_whole(whole, tmp_path, damage, sentence):
@@ -269,11 +269,11 @@ def test_a_dataset_is_described_only_where_its_shards_are_there(whole, tmp_path,
             read_summary(folder)
     shutil.copy(whole / "summary.json", folder)
     shard.unlink()
-    with pytest.raises(DatasetError, match=r"do not hold the|is not complete"):
+    with pytest.raises(DatasetError, match=r"do not have the|is incomplete"):
         read_summary(folder)
 
 
-def test_counts_and_folders_that_will_not_do_are_refused(tmp_path):
+def test_invalid_counts_and_folders_are_refused(tmp_path):
     with pytest.raises(DatasetError, match="0 rows a type; give 1 to"):
         plan_shards(small(tmp_path, 0))
     (tmp_path / "file").write_text("")
@@ -283,7 +283,7 @@ def test_counts_and_folders_that_will_not_do_are_refused(tmp_path):
         read_summary(tmp_path)
 
 
-def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
+def test_a_scheduler_that_does_not_answer_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("garmentimage.dataset.engine.TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         port = silent.getsockname()[1]
@@ -294,7 +294,7 @@ def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_scheduler_without_workers_is_told(tmp_path):
+def test_a_scheduler_without_workers_is_refused(tmp_path):
     from distributed import LocalCluster
 
     with (

@@ -28,8 +28,8 @@ def test_rows_are_read_by_number_over_all_shards(folder):
 
 def test_rasters_are_those_of_the_rows(folder):
     for table in read_tables(folder, None, ["raster"]):
-        told = [np.array(row, np.float32) for row in table["raster"].to_pylist()]
-        assert all(map(np.array_equal, raster_arrays(table["raster"]), told))
+        found = [np.array(row, np.float32) for row in table["raster"].to_pylist()]
+        assert all(map(np.array_equal, raster_arrays(table["raster"]), found))
 
 
 def test_what_cannot_be_read_is_named(folder, tmp_path):

@@ -91,21 +91,21 @@ def test_bodies_for_test_are_never_trained_on():
         ("version = 1", f"version = {'9' * 5000}", "a number too long"),
         ("picture = 64", "picture = inf", "give a whole number"),
         ('views = ["front"]', 'views = "front"', "give a list there"),
-        ('views = ["front"]', "views = [1]", "view of the recipe is '1'; give a text"),
-        ('doc = "Two types."\n', "", "does not tell its doc"),
+        ('views = ["front"]', "views = [1]", "view of the recipe is '1'; give text"),
+        ('doc = "Two types."\n', "", "lacks doc"),
         ("picture = 64", "pictures = 64", "has no 'pictures'; did you mean picture"),
         ('name = "skirt"', 'name = "tank"', "two types of the recipe have one name"),
         ("presets", 'colours = { top = "nope" }\npresets', "is no colour"),
-        ("presets", 'test_bodies = ["mean-female"]\npresets', "are others than its bodies"),
-        ('name = "small"', "name =", "is no TOML"),
+        ("presets", 'test_bodies = ["mean-female"]\npresets', "must differ from its bodies"),
+        ('name = "small"', "name =", "is not TOML"),
     ],
 )
-def test_a_recipe_that_will_not_do_is_refused_in_a_sentence(old, new, sentence):
+def test_an_invalid_recipe_is_refused_in_a_sentence(old, new, sentence):
     assert old in GOOD
     with pytest.raises(DatasetError, match=sentence):
         parse_recipe(GOOD.replace(old, new))
 
 
-def test_an_unknown_recipe_is_told_with_what_was_meant():
+def test_an_unknown_recipe_is_refused_with_a_suggestion():
     with pytest.raises(DatasetError, match="no recipe 'd3'; choose d1, d2"):
         load_recipe("d3")

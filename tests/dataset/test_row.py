@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from garmentimage.dataset.caption import captions
 from garmentimage.dataset.recipe import load_recipe, recipe_names
 from garmentimage.dataset.row import FailedRow, RowTask, make_row
+from garmentimage.dataset.vocabulary import captions
 from garmentimage.draft.kinds import KINDS, draft_pattern
 from garmentimage.draft.sampling import sample
 from garmentimage.pattern.files.spec import pattern_from_spec
@@ -61,8 +61,8 @@ def test_the_pattern_of_a_row_encodes_to_its_raster():
 def test_the_parameters_of_a_row_draft_its_pattern():
     row = good_row()
     again = draft_pattern(row["kind"], row["body"], **json.loads(row["parameters"]))
-    told = pattern_from_spec(json.loads(row["pattern"]))
-    for one, other in zip(again.panels, told.panels, strict=True):
+    found = pattern_from_spec(json.loads(row["pattern"]))
+    for one, other in zip(again.panels, found.panels, strict=True):
         np.testing.assert_allclose(one.outline.vertices, other.outline.vertices, atol=1e-6)
     assert load_recipe("d2").types[0].fixed.items() <= json.loads(row["parameters"]).items()
 

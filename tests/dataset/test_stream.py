@@ -66,14 +66,14 @@ def test_pictures_are_tensors_of_bytes(tmp_path):
     assert set(np.unique(row["panels"].numpy())) >= {0, 1, 2}
 
 
-def test_what_is_not_there_is_told(tmp_path, folder):
+def test_missing_splits_columns_and_types_are_refused(tmp_path, folder):
     with pytest.raises(DatasetError, match="has no split 'train'; `garmentimage build`"):
         RowStream(tmp_path)
     with pytest.raises(DatasetError, match="has no column 'picture'"):
         RowStream(folder, columns=["picture"])
 
 
-def test_types_and_seeds_that_will_not_do_are_refused(folder):
+def test_invalid_types_and_seeds_are_refused(folder):
     for options, sentence in (
         ({"without": "skirt"}, r"given as a list, \['skirt'\]"),
         ({"without": ["skrit"]}, "has no type 'skrit'"),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from garmentimage.dataset.wording import all_phrases
+from garmentimage.dataset.vocabulary import all_phrases
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.prompts import PROMPTS
 from garmentimage.text_edit.vocabulary import check_known, split_words

@@ -1,4 +1,4 @@
-"""Datasets: recipes of what to make, and the rows that come of them."""
+"""Datasets: recipes, building and reading."""
 
 import lazy_loader
 

@@ -25,7 +25,7 @@ from .row import (
     draft_garment as draft_garment,
     task_from_id as task_from_id,
 )
-from .wording import (
+from .vocabulary import (
     all_phrases as all_phrases,
     aspect_of as aspect_of,
     bottoms_of as bottoms_of,

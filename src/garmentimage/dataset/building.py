@@ -1,11 +1,11 @@
-"""Building: a dataset made shard by shard, on this machine or on a cluster, resumed where it ended.
+"""Building a dataset shard by shard, on this machine or on a cluster; interrupted builds resume.
 
-Words of this file:
+Terms:
 
-- A **plan** says which rows go into which shard, all of them known before any is made.
-- A **shard** is made whole by one worker, sent to the driver as bytes, and written there under its
-  final name in one step. So whatever is killed, there are only whole shards, and what is missing
-  is made again: the same rows, as a row depends on nothing but its task.
+- A **plan** assigns every row to a shard before any row is made.
+- A **shard** is made by one worker, sent to the driver as bytes, and written there under its final
+  name in one step. So a killed build leaves only complete shards, and the missing ones are made by
+  the next call: with the same rows, since a row depends on nothing but its task.
 """
 
 import hashlib
@@ -40,7 +40,7 @@ REMEDY = "remove it and build again"
 
 @dataclass(frozen=True)
 class BuildSettings:
-    """What is built, and where."""
+    """Which dataset to build, and where."""
 
     recipe: Recipe
     folder: Path
@@ -49,14 +49,14 @@ class BuildSettings:
     seed: int = 0
     grid: int = 16
     unseen: int | None = None
-    """Rows of each type that is for test only; `count` where this is None."""
+    """Rows of each unseen type; None: `count`."""
 
     def rows_of(self, split: str) -> int:
-        """Rows of each type in a split, with those of its other splits."""
+        """Rows of each type of a split, over all its splits."""
         return self.unseen if split == "unseen" and self.unseen is not None else self.count
 
     def identity(self) -> dict[str, Any]:
-        """What tells one dataset from another."""
+        """The settings that determine its rows, for the plan file."""
         return {
             "recipe": self.recipe.name,
             "version": self.recipe.version,
@@ -71,7 +71,7 @@ class BuildSettings:
 
 @dataclass(frozen=True)
 class Shard:
-    """Some rows of one split, told by where they stand in it."""
+    """Some rows of one split, by their positions in it."""
 
     name: str
     build: BuildSettings
@@ -79,14 +79,14 @@ class Shard:
     places: range
 
     def identity(self) -> dict[str, Any]:
-        """What tells its rows from any others."""
-        what = self.build.identity()
-        told = {key: what[key] for key in ("recipe", "version", "schema", "seed", "grid")}
-        return told | {"split": self.split, "places": [self.places.start, self.places.stop]}
+        """The settings that determine its rows."""
+        build = self.build.identity()
+        own = {key: build[key] for key in ("recipe", "version", "schema", "seed", "grid")}
+        return own | {"split": self.split, "places": [self.places.start, self.places.stop]}
 
     @property
     def tasks(self) -> list[RowTask]:
-        """Its rows; types take turns."""
+        """Tasks of its rows; types take turns."""
         what, block = self.build, _block(self.build.recipe, self.split)
         turns = ((place // len(block), block[place % len(block)]) for place in self.places)
         return [
@@ -97,7 +97,7 @@ class Shard:
 
 @dataclass(frozen=True)
 class FinishedShard:
-    """A shard that is written."""
+    """A written shard."""
 
     name: str
     rows: int
@@ -109,7 +109,7 @@ def plan_shards(build: BuildSettings) -> tuple[Shard, ...]:
     """All shards of a dataset, split by split; types take turns within a split.
 
     Raises:
-        DatasetError: a number that will not do.
+        DatasetError: the grid or a number of rows is out of range.
     """
     low, high = GRIDS
     if not low <= build.grid <= high or build.grid % 2:
@@ -134,7 +134,7 @@ def plan_shards(build: BuildSettings) -> tuple[Shard, ...]:
 
 
 def _block(recipe: Recipe, split: str) -> list[tuple[int, int]]:
-    """Numbers and types of the rows of a split, among the first `PERIOD` of every type."""
+    """(index, type number) of the rows of a split, among the first `PERIOD` of every type."""
     return [
         (index, number)
         for index in range(PERIOD)
@@ -144,7 +144,7 @@ def _block(recipe: Recipe, split: str) -> list[tuple[int, int]]:
 
 
 def make_shard(shard: Shard) -> bytes:
-    """All rows of a shard, as its file."""
+    """Make all rows of a shard; returns its file."""
     made = [make_row(task) for task in shard.tasks]
     rows = [row for row in made if not isinstance(row, FailedRow)]
     failed = [row for row in made if isinstance(row, FailedRow)]
@@ -159,22 +159,22 @@ def build_dataset(
     progress: Callable[[FinishedShard, bool], None] = lambda done, fresh: None,
     command: str = "",
 ) -> dict[str, Any]:
-    """Make what is missing of a dataset, and sum it up.
+    """Make the missing shards of a dataset, and write its summary and card.
 
     Args:
         what: the dataset.
-        scheduler: address of a running Dask scheduler; none for processes on this machine.
+        scheduler: address of a running Dask scheduler; None for processes on this machine.
         workers: processes on this machine.
-        progress: called with every shard, and whether it was made now.
-        command: how it was called, for the dataset card.
+        progress: called with every shard, and whether it was made by this call.
+        command: the command line, for the dataset card.
 
     Returns:
         The summary that is also written to `summary.json`.
 
     Raises:
-        DatasetError: the folder holds another dataset, a scheduler that does not answer, a number
-            that cannot work, or settings with which no row can be made.
-        OutputError: a file that cannot be written; what was finished stays.
+        DatasetError: the folder holds another dataset, the scheduler does not answer, a number is
+            out of range, or no row can be made with these settings.
+        OutputError: a file cannot be written; finished shards are kept.
     """
     shards = plan_shards(what)
     if scheduler is not None:
@@ -204,13 +204,13 @@ def build_dataset(
 
 
 def _write_if_missing(file: Path, text: str, missing: list[Shard]) -> None:
-    """Write what sums up a dataset, unless that is there already and nothing was missing."""
+    """Write a file about the whole dataset, unless it exists and no shard was missing."""
     if missing or not file.exists():
         write_atomically(file, text)
 
 
 def _prepare_folder(what: BuildSettings) -> Path:
-    """The folder of the shards, made where it is not there."""
+    """The folder of the shards, created if needed."""
     folder, wanted = what.folder, what.identity()
     file, data = folder / PLAN_FILE, folder / DATA
     try:
@@ -219,7 +219,7 @@ def _prepare_folder(what: BuildSettings) -> Path:
             _check_plan(file, wanted)
         elif any(not path.name.startswith(".") for path in folder.iterdir()):
             raise DatasetError(
-                f"{shown_path(folder)}: holds other files and no dataset; choose another folder"
+                f"{shown_path(folder)}: holds files but no dataset; choose another folder"
             )
         else:
             write_atomically(file, _json_text(wanted))
@@ -252,20 +252,20 @@ def _check_plan(file: Path, wanted: dict[str, Any]) -> None:
 
 
 def _check_names(data: Path, planned: set[str]) -> None:
-    """Refuse files beside the shards: readers would take them for some."""
+    """Refuse files beside the shards: readers would read them, too."""
     for path in data.iterdir():
         if path.name not in planned and not path.name.startswith("."):
-            raise DatasetError(f"{shown_path(path)}: is no shard of this dataset; remove it")
+            raise DatasetError(f"{shown_path(path)}: not a shard of this dataset; remove it")
 
 
 def _verified(path: Path, shard: Shard) -> FinishedShard:
-    """A shard that is there, read as a whole.
+    """An existing shard, read completely.
 
     Raises:
-        DatasetError: it is damaged, or holds other rows than it should.
+        DatasetError: it is damaged, or has other rows or columns than planned.
     """
     if path.is_symlink() or not path.is_file():
-        raise DatasetError(f"{shown_path(path)}: is no plain file; {REMEDY}")
+        raise DatasetError(f"{shown_path(path)}: not a regular file; {REMEDY}")
     try:
         raw = path.read_bytes()
         table = pq.read_table(BytesIO(raw), page_checksum_verification=True)
@@ -276,16 +276,16 @@ def _verified(path: Path, shard: Shard) -> FinishedShard:
         reason = getattr(error, "strerror", None) or "it is damaged"
         raise DatasetError(f"{shown_path(path)}: cannot be read ({reason}); {REMEDY}") from None
     if not table.schema.equals(schema(shard.build.recipe, shard.build.grid)):
-        raise DatasetError(f"{shown_path(path)}: has other columns than it should; {REMEDY}")
+        raise DatasetError(f"{shown_path(path)}: has other columns than planned; {REMEDY}")
     return done
 
 
 def _finished(shard: Shard, raw: bytes) -> FinishedShard:
     file = pq.ParquetFile(BytesIO(raw))
-    facts, rows = parse_metadata(file.schema_arrow), file.metadata.num_rows
-    if facts.identity != shard.identity() or rows + len(facts.failed) != len(shard.places):
-        raise DatasetError(f"holds other rows than it should; {REMEDY}")
-    return FinishedShard(shard.name, rows, facts.failed, hashlib.sha256(raw).hexdigest())
+    metadata, rows = parse_metadata(file.schema_arrow), file.metadata.num_rows
+    if metadata.identity != shard.identity() or rows + len(metadata.failed) != len(shard.places):
+        raise DatasetError(f"has other rows than planned; {REMEDY}")
+    return FinishedShard(shard.name, rows, metadata.failed, hashlib.sha256(raw).hexdigest())
 
 
 def _summary(what: BuildSettings, done: list[FinishedShard]) -> dict[str, Any]:
@@ -293,11 +293,11 @@ def _summary(what: BuildSettings, done: list[FinishedShard]) -> dict[str, Any]:
     for each in done:
         rows[each.name.split("-")[0]] += each.rows
     failed = [row for each in done for row in each.failed]
-    asked = sum(len(shard.places) for shard in plan_shards(what))
+    planned = sum(len(shard.places) for shard in plan_shards(what))
     return {
         **what.identity(),
         "rows": sum(rows.values()),
-        "share": round(sum(rows.values()) / asked, 4),
+        "share": round(sum(rows.values()) / planned, 4),
         "splits": {split: n for split, n in rows.items() if n},
         "failed": dict(
             Counter(f"{row.stage}: {_cause(row.reason)}" for row in failed).most_common()
@@ -307,7 +307,7 @@ def _summary(what: BuildSettings, done: list[FinishedShard]) -> dict[str, Any]:
 
 
 def _cause(reason: str) -> str:
-    """A reason without its figures, for counting."""
+    """A reason without its numbers, for counting."""
     words = reason.split(";")[0].split(":")[0].split("(")[0].split()
     return " ".join(word for word in words if not any(c.isdigit() for c in word))
 

@@ -1,4 +1,4 @@
-"""The card of a dataset: what it holds and how it was made, as Hugging Face shows it."""
+"""The card of a dataset: its contents and provenance, in the format of Hugging Face."""
 
 from typing import Any
 
@@ -25,7 +25,7 @@ PANELS = (
 
 
 def dataset_card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
-    """The README.md of a dataset, with the metadata that `datasets` reads."""
+    """The README.md of a dataset, with the metadata for `datasets`."""
     splits = "".join(
         f"  - split: {split}\n    path: data/{split}-*.parquet\n" for split in summary["splits"]
     )
@@ -67,7 +67,7 @@ rows = datasets.load_dataset("FOLDER")["train"].with_format("numpy")
 {_lines(types)}
 
 {_lines([*head, *failed, ""] if failed else [])}
-Made by `{command or "garmentimage.dataset.building"}`, recipe version {recipe.version}, seed \
+Made by `{command or "garmentimage.dataset.build_dataset"}`, recipe version {recipe.version}, seed \
 {summary["seed"]}, N = {summary["grid"]}, with \
 {", ".join([*versions("pyarrow"), *([f"commit {commit}"] if commit else [])])}.
 The same command makes the same rows again; `summary.json` has the sha256 of every shard.

@@ -1,4 +1,4 @@
-"""The engine: shards made by Dask workers, on this machine or wherever a scheduler has them."""
+"""Tasks run by Dask workers, on this machine or those of a scheduler."""
 
 import asyncio
 import importlib.metadata
@@ -14,10 +14,10 @@ from garmentimage.errors import DatasetError, quoted
 from garmentimage.system import ctrl_c_held
 
 MAX_QUEUED = 2
-"""Pieces of work that each worker has before it, at most."""
+"""Tasks queued for each worker."""
 TIMEOUT_S = 20.0
-"""How long a scheduler may take to answer."""
-RESUME_HINT = "what is finished stays, so run the same command again"
+"""For the answer of a scheduler."""
+RESUME_HINT = "finished shards are kept; run the same command again"
 
 Work = TypeVar("Work")
 Result = TypeVar("Result")
@@ -25,59 +25,59 @@ Result = TypeVar("Result")
 
 def run_tasks(
     do: Callable[[Work], Result],
-    pieces: Sequence[Work],
+    tasks: Sequence[Work],
     scheduler: str | None,
     workers: int,
 ) -> Iterator[tuple[Work, Result]]:
-    """Pieces of work with what came of them, as they come; only a few wait at any time.
+    """Tasks with their results, in order of completion; only a few are queued at any time.
 
     Args:
-        do: a function of a module that workers can import.
-        pieces: the work.
-        scheduler: address of a running Dask scheduler; none for processes on this machine.
+        do: a function that workers can import.
+        tasks: its arguments.
+        scheduler: address of a running Dask scheduler; None for processes on this machine.
         workers: processes on this machine.
 
     Raises:
-        DatasetError: a scheduler that does not answer or goes away, one without workers that have
-            this garmentimage, or work that kills its workers again and again.
+        DatasetError: the scheduler does not answer or stops, its workers have another version of
+            garmentimage, or a task kills its workers repeatedly.
     """
     from distributed import KilledWorker, as_completed
     from distributed.client import FutureCancelledError
     from distributed.comm import CommClosedError
 
-    with _client(scheduler, min(workers, len(pieces))) as client:
-        waiting = iter(pieces)
+    with _client(scheduler, min(workers, len(tasks))) as client:
+        waiting = iter(tasks)
         most = MAX_QUEUED * max(len(client.scheduler_info(n_workers=-1)["workers"]), 1)
         of_future = {}
         running = as_completed()
 
-        def submit(piece: Work) -> None:
-            future = client.submit(do, piece, pure=False)
-            of_future[future.key] = piece
+        def submit(task: Work) -> None:
+            future = client.submit(do, task, pure=False)
+            of_future[future.key] = task
             running.add(future)
 
         try:
-            for piece in islice(waiting, most):
-                submit(piece)
+            for task in islice(waiting, most):
+                submit(task)
             for future in running:
                 result = future.result()
                 yield of_future.pop(future.key), result
                 future.release()
-                for piece in islice(waiting, 1):
-                    submit(piece)
+                for task in islice(waiting, 1):
+                    submit(task)
         except KilledWorker:
             raise DatasetError(
-                f"workers died repeatedly over one shard, perhaps for want of memory; {RESUME_HINT}"
+                f"workers died repeatedly over one shard, perhaps out of memory; {RESUME_HINT}"
             ) from None
         except (FutureCancelledError, CommClosedError):
-            raise DatasetError(f"the scheduler went away; {RESUME_HINT}") from None
+            raise DatasetError(f"the scheduler stopped; {RESUME_HINT}") from None
 
 
 def check_scheduler(address: str) -> None:
     """Refuse the address of a scheduler that does not answer.
 
     Raises:
-        DatasetError: says so.
+        DatasetError: it does not answer.
     """
     from distributed.comm import connect
 
@@ -123,7 +123,7 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 
 def _check_workers(client: Any, scheduler: str) -> None:
-    """Refuse workers that are not there, or that lack this garmentimage."""
+    """Refuse a scheduler without workers, or with another version of garmentimage."""
     ours = importlib.metadata.version("garmentimage")
     try:
         theirs = client.run(importlib.metadata.version, "garmentimage")
@@ -142,7 +142,7 @@ def _check_workers(client: Any, scheduler: str) -> None:
 
 @contextmanager
 def _interrupts_ignored() -> Iterator[None]:
-    """Ctrl-C does nothing meanwhile: stopping is under way."""
+    """Ignore Ctrl-C while workers are stopped."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

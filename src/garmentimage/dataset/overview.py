@@ -1,4 +1,4 @@
-"""Looking at a dataset: its summary, and rows as a contact sheet."""
+"""An overview of a dataset: its summary, its hash, and rows as a contact sheet."""
 
 import hashlib
 import json
@@ -25,7 +25,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     """The summary of a built dataset.
 
     Raises:
-        DatasetError: there is none.
+        DatasetError: there is no finished dataset, or it is damaged.
     """
     file = folder / SUMMARY_FILE
     try:
@@ -47,32 +47,33 @@ def read_summary(folder: Path) -> dict[str, Any]:
         ) from None
     if sum(row_count(shard) for shard in shard_files(folder)) != summary["rows"]:
         raise DatasetError(
-            f"{shown_path(folder)}: its shards do not hold the {summary['rows']} rows of its "
+            f"{shown_path(folder)}: its shards do not have the {summary['rows']} rows of its "
             "summary; build it again"
         )
     return summary
 
 
 def dataset_hash(folder: Path) -> str:
-    """SHA-256 that stands for all rows of a built dataset: over the names and hashes of its shards.
+    """SHA-256 of a built dataset: over the names and hashes of its shards.
 
     Raises:
-        DatasetError: there is none.
+        DatasetError: there is no finished dataset, or it is damaged.
     """
     shards = read_summary(folder).get("shards", {})
-    text = "".join(f"{name} {told['sha256']}\n" for name, told in sorted(shards.items()))
+    text = "".join(f"{name} {shard['sha256']}\n" for name, shard in sorted(shards.items()))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _is_summary(data: Any) -> bool:
-    """Whether it is what `build` writes, as far as it is shown."""
+    """Whether data has the layout that `build_dataset` writes, in the parts used."""
     if not isinstance(data, dict) or type(data.get("rows")) is not int:
         return False
     if not isinstance(data.get("recipe"), str) or type(data.get("seed")) is not int:
         return False
     shards = data.get("shards", {})
     if not isinstance(shards, dict) or not all(
-        isinstance(told, dict) and isinstance(told.get("sha256"), str) for told in shards.values()
+        isinstance(shard, dict) and isinstance(shard.get("sha256"), str)
+        for shard in shards.values()
     ):
         return False
     counts = [data.get("splits"), data.get("failed")]

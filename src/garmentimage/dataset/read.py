@@ -34,8 +34,8 @@ def shard_files(folder: str | Path, split: str | None = None) -> list[Path]:
         wanted = [f"{name}-{k:05d}-of-{len(found):05d}.parquet" for k in range(len(found))]
         if [file.name for file in found] != wanted:
             raise DatasetError(
-                f"{shown_path(folder)}: its split {quoted(name)} is not complete, or not all its "
-                "own; go on with it by the command that began it"
+                f"{shown_path(folder)}: its split {quoted(name)} is incomplete, or has files of "
+                "another dataset; resume the build with the command that started it"
             )
         files += found
     if not files:
@@ -45,10 +45,10 @@ def shard_files(folder: str | Path, split: str | None = None) -> list[Path]:
 
 
 def has_split(folder: str | Path, split: str) -> bool:
-    """Whether a dataset has a split; recipes that leave no type out have none that is unseen.
+    """Whether a dataset has a split; recipes without unseen types have no split `unseen`.
 
     Raises:
-        DatasetError: there is no dataset, or a part of it is missing.
+        DatasetError: there is no dataset, or a shard is missing.
     """
     return any(file.name.startswith(f"{split}-") for file in shard_files(folder))
 
@@ -59,14 +59,14 @@ def read_tables(
     """Rows of a split, one shard at a time.
 
     Raises:
-        DatasetError: there are none, a column is not there, or a shard is damaged.
+        DatasetError: there are none, a column does not exist, or a shard is damaged.
     """
     for file in shard_files(folder, split):
         yield _read(file, lambda shard: shard.read(columns), columns)
 
 
 def rows_at(folder: str | Path, numbers: Sequence[int]) -> list[dict[str, Any]]:
-    """Rows by their number in all shards; only what holds them is read.
+    """Rows by their number over all shards; only the shards that hold them are read.
 
     Raises:
         DatasetError: there are no such rows, or a shard is damaged.
@@ -93,10 +93,10 @@ def row_count(file: Path) -> int:
 
 
 def shard_metadata(file: Path) -> ShardMetadata:
-    """What a shard tells of itself.
+    """The metadata of a shard.
 
     Raises:
-        DatasetError: it is damaged, or none of ours.
+        DatasetError: it is damaged, or not a shard of garmentimage.
     """
     return _read(file, lambda shard: parse_metadata(shard.schema_arrow))
 
@@ -111,7 +111,7 @@ def column_names(file: Path) -> list[str]:
 
 
 def row_groups(file: Path) -> int:
-    """Groups of rows of a shard that are read at a time.
+    """Number of row groups of a shard, which are read one at a time.
 
     Raises:
         DatasetError: it is damaged.
@@ -129,7 +129,7 @@ def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
 
 
 def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row col"]]:
-    """The rasters of some rows, without making a Python object of every number.
+    """The rasters of some rows, without a Python object for every number.
 
     Raises:
         DatasetError: a row has none, or not all have the same grid.
@@ -153,10 +153,14 @@ def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17
 
 
 def parse_patterns(texts: Sequence[str], folder: str | Path) -> list[Pattern]:
-    """Patterns of rows, from their JSON.
+    """Patterns from the JSON of rows.
+
+    Args:
+        texts: of column `pattern`.
+        folder: of the dataset, for messages.
 
     Raises:
-        DatasetError: one is damaged; says of which dataset.
+        DatasetError: one is damaged.
     """
     try:
         return [pattern_from_spec(json.loads(text)) for text in texts]

@@ -1,11 +1,11 @@
-"""Recipes: what a dataset holds, as data and not as code.
+"""Recipes: the contents of a dataset, as TOML.
 
-Words of this file:
+Terms:
 
 - A **type** is a kind of garment with some parameters fixed: tops with sleeves + trousers are the
   kind `top-pants` with `sleeves = "set-in"`.
 - A type is **seen** (its rows are for training, validation and test) or **unseen**: all its rows
-  are for test, as no model should have met its topology.
+  are for test, so that no model has seen its topology in training.
 - A **preset** is a number of rows a type: `paper` as in the paper, `laptop` for two cores.
 """
 
@@ -30,13 +30,13 @@ SPLITS = ("train", "validation", "test", "unseen")
 SHARES = (0.9, 0.05, 0.05)
 """Shares of the rows of a seen type that are for training, validation and test."""
 PERIOD = 20
-"""Of so many rows of a type in order, the shares are taken: the same ones of every so many."""
+"""The shares hold exactly for every so many consecutive rows of a type."""
 LOOKS = ("plain", "random")
 PICTURE_SIZES = (16, 1024)
 MAX_ROWS = 10_000_000
-"""Of a dataset."""
+"""Rows of a dataset."""
 _KIND_NAMES = {
-    str: "a text",
+    str: "text",
     int: "a whole number",
     bool: "true or false",
     list: "a list",
@@ -62,17 +62,17 @@ class GarmentType:
 
 @dataclass(frozen=True)
 class Recipe:
-    """What a dataset holds."""
+    """The contents of a dataset."""
 
     name: str
     version: int
-    """Raised whenever the same seed would give other rows."""
+    """Incremented whenever the same seed would give other rows."""
     doc: str
     types: tuple[GarmentType, ...]
     bodies: tuple[str, ...]
-    """Who wears the garments; one is drawn for each row."""
+    """Bodies that wear the garments; one is drawn for each row."""
     test_bodies: tuple[str, ...]
-    """Who wears those for test, where these are others."""
+    """Bodies of test and unseen rows, if these are others."""
     fabrics: tuple[str, ...]
     views: tuple[str, ...]
     """Pictures of each row; without any, nothing is draped."""
@@ -86,7 +86,7 @@ class Recipe:
     """Rows of each type, by preset."""
 
     def split(self, of: GarmentType, index: int) -> str:
-        """What a row is for; it depends on its type and its number alone.
+        """The split of a row; it depends only on its type and number.
 
         Of any twenty rows of a seen type in order, 18 are for training, one for validation and
         one for test, so that a larger dataset has the same rows in the same splits.
@@ -97,23 +97,23 @@ class Recipe:
         return SPLITS[int(np.searchsorted(places, index % PERIOD, side="right"))]
 
     def wearers(self, split: str) -> tuple[str, ...]:
-        """Who may wear the rows of a split."""
+        """Bodies that may wear the garments of a split."""
         is_test = split in ("test", "unseen")
         return self.test_bodies if is_test and self.test_bodies else self.bodies
 
 
 def recipe_names() -> tuple[str, ...]:
-    """Names of the recipes that come with the package."""
+    """Names of the bundled recipes."""
     folder = files("garmentimage.dataset") / "recipes"
     return tuple(sorted(f.name.removesuffix(".toml") for f in folder.iterdir()))
 
 
 @cache
 def load_recipe(name: str) -> Recipe:
-    """A recipe that comes with the package.
+    """A bundled recipe.
 
     Raises:
-        DatasetError: there is none of that name.
+        DatasetError: there is no recipe of that name.
     """
     if name not in recipe_names():
         raise DatasetError(
@@ -127,78 +127,85 @@ def parse_recipe(text: str) -> Recipe:
     """A recipe from its TOML.
 
     Raises:
-        DatasetError: says what is wrong with it.
+        DatasetError: a key is missing, unknown or has an invalid value.
     """
     try:
-        facts = tomllib.loads(text)
+        data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise DatasetError(f"the recipe is no TOML: {error}") from None
+        raise DatasetError(f"the recipe is not TOML: {error}") from None
     except (ValueError, RecursionError):
         raise DatasetError("the recipe has a number too long, or nests too deep") from None
     optional = {"test_bodies", "colours", "look", "picture"}
-    _check_keys(facts, _KEYS, required=_KEYS.keys() - optional)
+    _check_keys(data, _KEYS, required=_KEYS.keys() - optional)
     try:
-        return _parse(facts)
+        return _parse(data)
     except DatasetError:
         raise
     except GarmentImageError as error:
         raise DatasetError(str(error)) from None
 
 
-def _parse(facts: Mapping[str, Any]) -> Recipe:
-    for number in facts["presets"].values():
+def _parse(data: Mapping[str, Any]) -> Recipe:
+    """A recipe from its TOML data, whose keys and kinds of values are checked already."""
+    for number in data["presets"].values():
         _check_kind("preset", number, int)
-    made = Recipe(
-        name=facts["name"],
-        version=facts["version"],
-        doc=facts["doc"],
-        types=tuple(_parse_type(each) for each in facts["types"]),
-        bodies=_check_names(facts["bodies"], presets(), "body"),
-        test_bodies=_check_names(facts.get("test_bodies", ()), presets(), "body"),
-        fabrics=_check_names(facts["fabrics"], FABRICS, "fabric"),
-        views=_check_names(facts["views"], VIEWS, "view"),
-        picture=facts.get("picture", 0),
-        look=_check_names([facts.get("look", "plain")], LOOKS, "look")[0],
-        colours=facts.get("colours", {}),
-        presets=facts["presets"],
+    recipe = Recipe(
+        name=data["name"],
+        version=data["version"],
+        doc=data["doc"],
+        types=tuple(_parse_type(each) for each in data["types"]),
+        bodies=_check_names(data["bodies"], presets(), "body"),
+        test_bodies=_check_names(data.get("test_bodies", ()), presets(), "body"),
+        fabrics=_check_names(data["fabrics"], FABRICS, "fabric"),
+        views=_check_names(data["views"], VIEWS, "view"),
+        picture=data.get("picture", 0),
+        look=_check_names([data.get("look", "plain")], LOOKS, "look")[0],
+        colours=data.get("colours", {}),
+        presets=data["presets"],
     )
-    if not _NAME.fullmatch(made.name):
-        raise DatasetError(f"a recipe is named by a-z, 0-9 and -, not {quoted(made.name)}")
-    for what, number in (("version", made.version), *made.presets.items()):
+    _check_numbers(recipe)
+    _check_contents(recipe)
+    return recipe
+
+
+def _check_numbers(recipe: Recipe) -> None:
+    """Check the ranges of version, presets and picture size."""
+    for what, number in (("version", recipe.version), *recipe.presets.items()):
         if not 1 <= number <= MAX_ROWS:
             raise DatasetError(f"{what} of the recipe is {number}; give 1 to {MAX_ROWS}")
-    for group in made.colours:
-        if group not in Look().colours:
-            raise DatasetError(
-                f"there is no panel group {quoted(group)}; {did_you_mean(group, Look().colours)}"
-            )
     low, high = PICTURE_SIZES
-    if made.views and not low <= made.picture <= high:
-        raise DatasetError(f"pictures of {made.picture} pixels; give {low} to {high}")
-    if not made.types or not made.bodies or not made.fabrics:
+    if recipe.views and not low <= recipe.picture <= high:
+        raise DatasetError(f"pictures of {recipe.picture} pixels; give {low} to {high}")
+
+
+def _check_contents(recipe: Recipe) -> None:
+    """Check names, and values that depend on each other."""
+    if not _NAME.fullmatch(recipe.name):
+        raise DatasetError(f"a recipe is named by a-z, 0-9 and -, not {quoted(recipe.name)}")
+    _check_names(recipe.colours, Look().colours, "panel group")
+    if not recipe.types or not recipe.bodies or not recipe.fabrics:
         raise DatasetError("a recipe needs types, bodies and fabrics")
-    if len({each.name for each in made.types}) < len(made.types):
+    if len({each.name for each in recipe.types}) < len(recipe.types):
         raise DatasetError("two types of the recipe have one name")
-    if set(made.bodies) & set(made.test_bodies):
-        raise DatasetError("the test bodies of a recipe are others than its bodies")
-    for tint in made.colours.values():
-        rgb(tint)
-    return made
+    if set(recipe.bodies) & set(recipe.test_bodies):
+        raise DatasetError("the test bodies of a recipe must differ from its bodies")
+    for tint in recipe.colours.values():
+        rgb(tint)  # raises RenderError
 
 
-def _parse_type(facts: Any) -> GarmentType:
-    _check_kind("type", facts, dict)
-    _check_keys(facts, _TYPE_KEYS, required={"name", "kind"})
-    (kind,) = _check_names([facts["kind"]], KINDS, "kind")
-    fixed = facts.get("fixed", {})
-    if not facts["name"]:
+def _parse_type(data: Any) -> GarmentType:
+    _check_kind("type", data, dict)
+    _check_keys(data, _TYPE_KEYS, required={"name", "kind"})
+    (kind,) = _check_names([data["kind"]], KINDS, "kind")
+    fixed = data.get("fixed", {})
+    if not data["name"]:
         raise DatasetError("a type of the recipe has no name")
     values = checked_values(KINDS[kind].parameters, fixed, f"kind {kind}")
     return GarmentType(
-        name=facts["name"],
+        name=data["name"],
         kind=kind,
         fixed={name: values[name] for name in fixed},
-        seen=facts.get("seen", True),
+        seen=data.get("seen", True),
     )
 
 
@@ -210,13 +217,13 @@ def _check_names(names: Any, known: Any, what: str) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _check_keys(facts: Mapping[str, Any], known: Mapping[str, type], *, required: set[str]) -> None:
-    for key, value in facts.items():
+def _check_keys(data: Mapping[str, Any], known: Mapping[str, type], *, required: set[str]) -> None:
+    for key, value in data.items():
         if key not in known:
             raise DatasetError(f"a recipe has no {quoted(key)}; {did_you_mean(key, sorted(known))}")
         _check_kind(key, value, known[key])
-    for key in sorted(required - facts.keys()):
-        raise DatasetError(f"the recipe does not tell its {key}")
+    for key in sorted(required - data.keys()):
+        raise DatasetError(f"the recipe lacks {key}")
 
 
 def _check_kind(what: str, value: Any, wanted: type) -> None:

@@ -1,6 +1,6 @@
-"""Rows of a dataset: a garment with its raster, its pictures and what is known of it.
+"""Rows of a dataset: a garment with its raster, pictures and metadata.
 
-A row depends on the recipe, the seed and its number alone, not on who makes it or when.
+A row depends only on the recipe, the seed and its number.
 """
 
 import json
@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from garmentimage.body import wearer
-from garmentimage.dataset.caption import captions
 from garmentimage.dataset.recipe import GarmentType, Recipe
+from garmentimage.dataset.vocabulary import captions
 from garmentimage.draft import Sample, sample
 from garmentimage.drape import DrapedGarment, drape_pattern
 from garmentimage.errors import DatasetError, GarmentImageError, quoted
@@ -24,11 +24,11 @@ from garmentimage.render import png_bytes
 from garmentimage.render.worn import Look, map_bytes, photograph
 
 SCHEMA = 2
-"""Version of what a shard holds, and its rows."""
+"""Version of the columns and metadata of a shard."""
 NONDETERMINISTIC = ("seconds",)
-"""What a drape's report tells that is not the same on every run."""
+"""Fields of a drape report that differ between runs."""
 _LOOK, _BODY, _FABRIC = range(3)
-"""Streams of random numbers of a row."""
+"""Independent random streams of a row."""
 
 
 @dataclass(frozen=True)
@@ -44,26 +44,26 @@ class RowTask:
 
     @property
     def type(self) -> GarmentType:
-        """What kind of garment it is."""
+        """The type of garment."""
         return self.recipe.types[self.type_number]
 
     @property
     def split(self) -> str:
-        """What the row is for."""
+        """The split of the row."""
         return self.recipe.split(self.type, self.index)
 
     @property
     def row_id(self) -> str:
-        """A name that no other row of the recipe has."""
+        """A unique name within the recipe."""
         return f"{self.recipe.name}-{self.type_number:02d}-{self.index:07d}"
 
     def random(self, stream: int) -> np.random.Generator:
-        """Random numbers of this row."""
+        """Random numbers of this row, by stream."""
         return np.random.default_rng([*self._key, self.index, stream])
 
     @property
     def garment_seed(self) -> int:
-        """Seed of the garments of this type: types of one kind are not the same but for sleeves."""
+        """Seed of the garments of this type, so that types of one kind have different garments."""
         state = np.random.SeedSequence(self._key).generate_state(2, np.uint32)
         return int(state[0]) << 31 | int(state[1]) >> 1
 
@@ -78,12 +78,12 @@ class FailedRow:
 
     row_id: str
     stage: str
-    """`draft`, `encode` or `drape_pattern`."""
+    """`draft`, `encode` or `drape`."""
     reason: str
 
 
 def make_row(task: RowTask) -> dict[str, Any] | FailedRow:
-    """One row, or why there is none.
+    """One row, or the reason why it could not be made.
 
     Returns:
         `id`, `recipe`, `version`, `type`, `kind`, `seed`, `index`, `split`, `body`, `fabric`,
@@ -130,10 +130,10 @@ def draft_garment(task: RowTask) -> Sample:
 
 
 def task_from_id(recipe: Recipe, row_id: str, seed: int, grid: int = 16) -> RowTask:
-    """Which row has this id.
+    """The task of a row, from its id.
 
     Raises:
-        DatasetError: none of this recipe.
+        DatasetError: the recipe has no such row.
     """
     found = re.fullmatch(re.escape(recipe.name) + r"-(\d{2})-(\d{7,})", row_id, re.ASCII)
     if found is None or int(found[1]) >= len(recipe.types):

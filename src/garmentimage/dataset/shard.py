@@ -1,8 +1,8 @@
-"""Shards: rows as Parquet files that Hugging Face `datasets`, pandas and all else read.
+"""Shards: rows as Parquet files, readable by Hugging Face `datasets`, pandas and others.
 
-The schema carries the features of `datasets`, so that pictures come as pictures and rasters as
-arrays; `garmentimage` in its metadata holds what the shard was built as, the types of the recipe,
-and the rows that failed. Pages have checksums.
+The schema has the features of `datasets`, so that it decodes pictures and rasters; the key
+`garmentimage` of its metadata holds the settings of the build, the types of the recipe, and the
+rows that failed. Pages have checksums.
 """
 
 import json
@@ -21,7 +21,7 @@ from garmentimage.errors import DatasetError
 
 METADATA_KEY = b"garmentimage"
 ROW_GROUP = 50
-"""Rows that are read at a time."""
+"""Rows of a row group, which is read at a time."""
 _TEXTS = (
     "id", "recipe", "type", "kind", "split", "body", "fabric", "parameters", "pattern", "report",
 )  # fmt: skip
@@ -29,7 +29,7 @@ _PICTURE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
 
 
 def schema(recipe: Recipe, grid: int) -> pa.Schema:
-    """Columns of a dataset's shards, and what `datasets` wants to know of them."""
+    """Columns of a shard, with the features of `datasets` as metadata."""
     raster = pa.float32()
     for _ in range(4):
         raster = pa.list_(raster)
@@ -48,20 +48,20 @@ def schema(recipe: Recipe, grid: int) -> pa.Schema:
 
 
 def picture_columns(recipe: Recipe) -> tuple[str, ...]:
-    """Columns that hold pictures."""
+    """Columns of pictures."""
     return (*(f"picture_{view}" for view in recipe.views), "panels") if recipe.views else ()
 
 
 @dataclass(frozen=True)
 class ShardMetadata:
-    """What a shard tells of itself."""
+    """Metadata of a shard."""
 
     identity: Mapping[str, Any]
-    """What it was built as."""
+    """See `Shard.identity`."""
     types: tuple[str, ...]
     """All types of its recipe."""
     failed: tuple[FailedRow, ...]
-    """The rows that it lacks because they could not be made."""
+    """Planned rows that could not be made."""
 
 
 def shard_bytes(
@@ -73,13 +73,13 @@ def shard_bytes(
 ) -> bytes:
     """A Parquet file with some rows; the same bytes for the same rows."""
     wanted = schema(recipe, grid)
-    told = {
+    metadata = {
         "schema": SCHEMA,
         "identity": identity,
         "types": [each.name for each in recipe.types],
         "failed": [asdict(each) for each in failed],
     }
-    wanted = wanted.with_metadata({**wanted.metadata, METADATA_KEY: _json(told)})
+    wanted = wanted.with_metadata({**wanted.metadata, METADATA_KEY: _json(metadata)})
     columns = {name: [_cell(row, name) for row in rows] for name in wanted.names}
     arrays = [
         _rasters(columns[field.name], field.type)
@@ -98,30 +98,33 @@ def shard_bytes(
     return file.getvalue()
 
 
-def parse_metadata(found: pa.Schema) -> ShardMetadata:
-    """What a shard's schema tells.
+def parse_metadata(schema: pa.Schema) -> ShardMetadata:
+    """The metadata in a shard's schema.
 
     Raises:
-        DatasetError: it is that of no shard of ours.
+        DatasetError: it is not a shard of this version of garmentimage.
     """
     try:
-        told = json.loads((found.metadata or {})[METADATA_KEY])
-        version = told["schema"]
-        facts = ShardMetadata(
-            dict(told["identity"]),
-            tuple(told["types"]),
-            tuple(FailedRow(**each) for each in told["failed"]),
+        data = json.loads((schema.metadata or {})[METADATA_KEY])
+        version = data["schema"]
+        metadata = ShardMetadata(
+            dict(data["identity"]),
+            tuple(data["types"]),
+            tuple(FailedRow(**each) for each in data["failed"]),
         )
-        texts = [*facts.types, *(text for each in facts.failed for text in asdict(each).values())]
+        texts = [
+            *metadata.types,
+            *(text for each in metadata.failed for text in asdict(each).values()),
+        ]
         if not all(isinstance(text, str) for text in texts):
             raise TypeError
     except (KeyError, TypeError, ValueError, RecursionError):
         raise DatasetError(
-            "is no shard of this version of garmentimage; remove it and build again"
+            "not a shard of this version of garmentimage; remove it and build again"
         ) from None
     if version != SCHEMA:
         raise DatasetError(f"is a shard of version {version!r}; this garmentimage reads {SCHEMA}")
-    return facts
+    return metadata
 
 
 def _cell(row: dict[str, Any], name: str) -> Any:
@@ -133,7 +136,7 @@ def _cell(row: dict[str, Any], name: str) -> Any:
 
 
 def _rasters(rasters: Sequence[np.ndarray], kind: pa.DataType) -> pa.Array:
-    """Nested lists of equal rasters, without making a Python object of every number."""
+    """Nested lists of equal rasters, without a Python object for every number."""
     flat: pa.Array = pa.array(np.concatenate([r.ravel() for r in rasters]) if rasters else [],
                               pa.float32())  # fmt: skip
     sizes = [[len(r) for r in rasters]]

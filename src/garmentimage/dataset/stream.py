@@ -1,4 +1,4 @@
-"""Rows of a dataset as a stream for PyTorch: a little of it in memory at any time."""
+"""Rows of a dataset as a PyTorch stream: one row group in memory at a time."""
 
 from collections.abc import Collection, Iterator
 from io import BytesIO
@@ -31,14 +31,14 @@ class RowStream(IterableDataset):
     Args:
         folder: what `garmentimage build` wrote.
         split: `train`, `validation`, `test` or `unseen`.
-        columns: those to read; all where none are named.
-        without: types to leave out, as one is in `leave-one-out`.
-        only: types to read; all where none are named.
+        columns: to read; all by default.
+        without: types to leave out.
+        only: types to read; all by default.
         seed: shuffles row groups and the rows in each; the same seed and epoch give the same
-            order. In the order of the dataset without.
+            order. None: in the order of the dataset.
 
     Raises:
-        DatasetError: there is no such split, or a column that it does not have.
+        DatasetError: there is no such split, column or type, or an invalid seed.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class RowStream(IterableDataset):
         self.groups = [(file, k) for file in files for k in range(row_groups(file))]
 
     def set_epoch(self, epoch: int) -> None:
-        """Another order of the same rows."""
+        """Shuffle differently in each epoch."""
         self.epoch = epoch
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
@@ -99,7 +99,7 @@ class RowStream(IterableDataset):
 
 
 def _types(known: Collection[str], names: Collection[str]) -> frozenset[str]:
-    """Names of types, checked."""
+    """Check the names of types."""
     if isinstance(names, str):
         raise DatasetError(f"types are given as a list, [{names!r}], not as {names!r}")
     for name in names:
