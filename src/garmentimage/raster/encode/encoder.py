@@ -231,7 +231,7 @@ def _image(
 def _edge_types(graph: SeamGraph, paths: list[Path], grid: int) -> np.ndarray:
     """Types of the grid edges, straight from the arcs; [layer, bottom or left, row, col]."""
     types = np.full((2, 2, grid, grid), EdgeType.NON_BOUNDARY, np.int8)
-    for arc, path in zip(graph.arcs, paths):
+    for arc, path in zip(graph.arcs, paths, strict=True):
         corner = np.minimum(path[:-1], path[1:])
         upright = (path[:-1, 0] == path[1:, 0]).astype(int)
         for layer in arc.layers:
@@ -275,7 +275,7 @@ def _fill_panels(graph: SeamGraph, paths: list[Path], grid: int) -> np.ndarray:
 def _check_clusters(graph: SeamGraph, owner: np.ndarray, edge_type: np.ndarray) -> None:
     """Every panel must be one cluster of its own, as decoding will see it."""
     labels, count = label_panels(owner >= 0, edge_type)
-    pairs = {(int(a), int(b)) for a, b in zip(owner[owner >= 0], labels[owner >= 0])}
+    pairs = {(int(a), int(b)) for a, b in zip(owner[owner >= 0], labels[owner >= 0], strict=True)}
     if not len(pairs) == count == len(graph.placed.panels):
         panels = graph.placed.panels
         parts = [a for a, _ in pairs]
@@ -347,7 +347,7 @@ def _cloth_cells(path: Path, cloth_left: bool) -> np.ndarray:
     step = path[1:] - path[:-1]
     normal = np.stack([-step[:, 1], step[:, 0]], axis=1) * (1 if cloth_left else -1)
     # Twice the middle of the step plus the normal is twice the cell's centre.
-    return (path[1:] + path[:-1] + normal - 1) // 2
+    return np.asarray((path[1:] + path[:-1] + normal - 1) // 2)
 
 
 def _divisions(graph: SeamGraph, index: int, paths: list[Path]) -> tuple[Division, ...]:

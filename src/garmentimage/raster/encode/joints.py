@@ -152,7 +152,7 @@ def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
         ends |= _uneven([walk.lengths for walk in walks], sorted(ends))
     first = 0 if _is_closed(pattern, stretch) else 1
     for k in range(first, count):
-        for walk, sides in zip(walks, stretch.sides):
+        for walk, sides in zip(walks, stretch.sides, strict=True):
             # Walked against its loop, a joint lies where the edge before it starts.
             yield (sides[k - 1] if walk.against else sides[k]), k not in ends
 
@@ -215,7 +215,8 @@ class _Walk:
         beside = np.stack([bend[:-2], bend[2:]]) * np.sign(turn)
         expected = np.maximum(beside.max(axis=0), 0.0) * span
         size = np.abs(turn)
-        return (size > CORNER) | ((size > SHARP_TURN) & (size > SHARP_FACTOR * expected))
+        sharp = (size > SHARP_TURN) & (size > SHARP_FACTOR * expected)
+        return np.asarray((size > CORNER) | sharp)
 
 
 _TIPS = np.array([0.0, 0.01, 0.99, 1.0])

@@ -251,7 +251,7 @@ def _offset(split: SplitPattern, part: PanelPart, matrix: Matrix) -> Float[np.nd
     """Where the origin of the panel's own frame lies in the layout."""
     polygon = split.polygon(part)
     world = split.centre(part)
-    offset = world[:2] - matrix @ split.own_centre(part)
+    offset: Float[np.ndarray, " 2"] = world[:2] - matrix @ split.own_centre(part)
     if part.is_part and _faces_sideways(part.rotation):
         side = np.sign(_outward(split, part)[0])
         nearest = (side * (polygon @ matrix[0] + offset[0])).min()

@@ -75,7 +75,7 @@ def bowed(points: Float[np.ndarray, "n 2"], bow: float) -> Float[np.ndarray, "n 
     """Points of an edge, `bow` times as far off its chord as they are."""
     share = np.linspace(0, 1, len(points))[:, None]
     chord = (1 - share) * points[0] + share * points[-1]
-    return chord + bow * (points - chord)
+    return np.asarray(chord + bow * (points - chord))
 
 
 def lengthening(pattern: Pattern, graph: StitchGraph, back: StitchGraph) -> Bows:

@@ -253,7 +253,7 @@ def _choose_vertices(
     for place in places:
 
         def reach(at: float, place: float = place) -> float:
-            return _round_trip(at, place, starts[-1]) / starts[-1]
+            return _round_trip(at, place, float(starts[-1])) / float(starts[-1])
 
         good = sorted((at for at in changes if reach(at) < PARTNER_REACH), key=reach)
         near = sorted((at for at in starts[:-1] if reach(at) < VERTEX_REACH), key=reach)

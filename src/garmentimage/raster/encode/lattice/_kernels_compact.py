@@ -176,7 +176,22 @@ def solve_integers(rows, stiff, ahead, back, target, weight, floor, roof):
         floor: [variable] lower limit.
         roof: [variable] upper limit.
     """
-    # Longest paths through the constraints give the tightest limits of every variable.
+    low, high = _tightened(rows, stiff, ahead, back, floor, roof)
+    out = np.zeros(len(target), np.int64)
+    if (low > high).any():
+        return out, False
+    x = _project(target, weight, rows[ahead], stiff[ahead], low, high)
+    _round(x, rows, stiff, ahead, back, low, high)
+    for v in range(len(target)):
+        if not low[v] <= x[v] <= high[v]:
+            return out, False
+        out[v] = int(x[v])
+    return out, _keeps_all(out, rows, stiff)
+
+
+@njit(cache=True)
+def _tightened(rows, stiff, ahead, back, floor, roof):
+    """Limits of all variables: the longest paths through hard rows, from below and from above."""
     low, high = floor.copy(), roof.copy()
     for c in ahead:
         if stiff[c] == 0:
@@ -186,12 +201,13 @@ def solve_integers(rows, stiff, ahead, back, target, weight, floor, roof):
         if stiff[c] == 0:
             u, v = int(rows[c, 0]), int(rows[c, 1])
             high[u] = min(high[u], high[v] - rows[c, 2])
-    out = np.zeros(len(target), np.int64)
-    for v in range(len(target)):
-        if low[v] > high[v]:
-            return out, False
-    x = _project(target, weight, rows[ahead], stiff[ahead], low, high)
-    for v in range(len(target)):
+    return low, high
+
+
+@njit(cache=True)
+def _round(x, rows, stiff, ahead, back, low, high):
+    """Round coordinates, in place, to integers that keep the hard rows."""
+    for v in range(len(x)):
         x[v] = min(max(np.floor(x[v] + 0.5), low[v]), high[v])
     # Coordinate ascent stops a hair early; these passes make the integers exact.
     for c in ahead:
@@ -202,11 +218,12 @@ def solve_integers(rows, stiff, ahead, back, target, weight, floor, roof):
         if stiff[c] == 0:
             u, v = int(rows[c, 0]), int(rows[c, 1])
             x[u] = min(x[u], x[v] - rows[c, 2])
-    for v in range(len(target)):
-        if not low[v] <= x[v] <= high[v]:
-            return out, False
-        out[v] = int(x[v])
+
+
+@njit(cache=True)
+def _keeps_all(x, rows, stiff):
+    """Whether integers keep every hard row."""
     for c in range(len(rows)):
-        if stiff[c] == 0 and out[int(rows[c, 1])] - out[int(rows[c, 0])] < rows[c, 2]:
-            return out, False
-    return out, True
+        if stiff[c] == 0 and x[int(rows[c, 1])] - x[int(rows[c, 0])] < rows[c, 2]:
+            return False
+    return True

@@ -256,7 +256,7 @@ def _move_node(graph, lattice, state, node, goal, spent, total):
     _snapshot(graph, lattice, state, node)
     _mark_node(graph, state, node, False)
     if _is_busy(state, graph.node_layers[node], goal):
-        _restore(graph, state, node, here, 0)
+        _restore(graph, state, node, here)
         return False
     state.where[node] = goal
     _mark_node(graph, state, node, True)
@@ -280,7 +280,7 @@ def _move_node(graph, lattice, state, node, goal, spent, total):
         return True
     _mark_drawn(graph, state, node, drawn, False)
     _mark_node(graph, state, node, False)
-    _restore(graph, state, node, here, drawn)
+    _restore(graph, state, node, here)
     return False
 
 
@@ -298,7 +298,7 @@ def _snapshot(graph, lattice, state, node):
 
 
 @njit(cache=True)
-def _restore(graph, state, node, here, drawn):
+def _restore(graph, state, node, here):
     """Put a node back to `here`, and its arcs as the snapshot has them."""
     state.where[node] = here
     _mark_node(graph, state, node, True)

@@ -27,6 +27,8 @@ FAR = 1e9
 """Farther than anything: outside a corridor."""
 TAKEN, CROWDED = 1e17, 1.5
 """Cost of a vertex for a node where another node of its layers is, or is next to it."""
+DX, DY = (1, 0, -1, 0), (0, 1, 0, -1)
+"""Step along x and y in each direction."""
 MAX_ENDS = 8
 """More arc ends than this round one node cannot be drawn: four on each layer."""
 
@@ -100,13 +102,7 @@ def snap_nodes(target, layers, on_axis, axis, order):
                     if axis >= 0 and ((on_axis[i] and x != axis) or (not on_axis[i] and x <= axis)):
                         continue
                     cost = (x - target[i, 0]) ** 2 + (y - target[i, 1]) ** 2
-                    for j in range(count):
-                        if placed[j] and layers[j] & layers[i]:
-                            gx, gy = abs(xy[j, 0] - x), abs(xy[j, 1] - y)
-                            if gx == 0 and gy == 0:
-                                cost += TAKEN
-                            elif gx <= 1 and gy <= 1:
-                                cost += CROWDED
+                    cost = _with_crowding(cost, x, y, i, xy, placed, layers)
                     if cost < best:
                         best, bx, by = cost, x, y
             if reach >= 2 and best < TAKEN / 10:
@@ -114,6 +110,19 @@ def snap_nodes(target, layers, on_axis, axis, order):
         xy[i, 0], xy[i, 1] = bx, by
         placed[i] = True
     return xy
+
+
+@njit(cache=True)
+def _with_crowding(cost, x, y, node, xy, placed, layers):
+    """`cost` and what other nodes of a node's layers on a vertex, or next to it, cost."""
+    for j in range(len(xy)):
+        if placed[j] and layers[j] & layers[node]:
+            gx, gy = abs(xy[j, 0] - x), abs(xy[j, 1] - y)
+            if gx == 0 and gy == 0:
+                cost += TAKEN
+            elif gx <= 1 and gy <= 1:
+                cost += CROWDED
+    return cost
 
 
 @njit(cache=True)
@@ -243,37 +252,49 @@ def _shortest(start, goal, arc, net, traffic, price, search):
             break
         x0, y0 = vertex % width, vertex // width
         for step in range(4):
-            x = x0 + (1 if step == 0 else -1 if step == 2 else 0)
-            y = y0 + (1 if step == 1 else -1 if step == 3 else 0)
+            x, y = x0 + DX[step], y0 + DY[step]
             if x < 0 or y < 0 or x >= width or y >= height or field[y, x] >= FAR:
                 continue
             other = y * width + x
-            wrong_side = (x != axis) if on_axis else (x <= axis)
-            if axis >= 0 and other != goal and wrong_side:
+            if other != goal and _is_off_side(x, axis, on_axis):
                 continue
-            extra = 0.0
-            if vertex == start and leave >= 0 and step != leave:
-                extra += WRONG_TURN
-            if other == goal and arrive >= 0 and step != (arrive + 2) % 4:
-                extra += WRONG_TURN
-            if other != goal:
+            extra = _turn_cost(step, leave) if vertex == start else 0.0
+            if other == goal:
+                extra += _turn_cost((step + 2) % 4, arrive)
+            else:
                 extra = _with_congestion(extra, other, mask, is_node, use, history, price)
-                if extra < 0.0:
-                    continue
+            if extra < 0.0:
+                continue
             total = key + 1.0 + PULL * field[y, x] + extra
             if total < cost[other] - 1e-12:
                 cost[other] = total
                 previous[other] = vertex
                 if size < len(keys):
                     size = push(keys, items, size, total, other)
-    if cost[goal] >= FAR * FAR:
-        return 0
+    return 0 if cost[goal] >= FAR * FAR else _trace_back(goal, previous, found)
+
+
+@njit(cache=True)
+def _trace_back(goal, previous, found):
+    """Write the path that a search has left in `previous`, goal first; its vertices."""
     count, vertex = 0, goal
     while vertex >= 0:
         found[count] = vertex
         count += 1
         vertex = previous[vertex]
     return count
+
+
+@njit(cache=True)
+def _is_off_side(x, axis, on_axis):
+    """Whether a column is off the axis where an arc runs along it, or else not right of it."""
+    return axis >= 0 and ((x != axis) if on_axis else (x <= axis))
+
+
+@njit(cache=True)
+def _turn_cost(direction, wanted):
+    """Cost of a direction at a node where another is wanted; -1 where any will serve."""
+    return WRONG_TURN if wanted >= 0 and direction != wanted else 0.0
 
 
 @njit(cache=True)

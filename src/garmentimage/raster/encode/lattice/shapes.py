@@ -1,4 +1,4 @@
-"""What shapes survive: whether a drawing has grid edges enough for the bends of its panels.
+"""Lost shapes: whether a drawing has grid edges enough for the bends of its panels.
 
 A boundary comes back as the chords between its grid edges, or smooth where it has several, so a
 bent edge with too few grid edges loses length and area.
@@ -24,40 +24,48 @@ MIN_IOU = 0.92
 
 def lost_shape(graph: SeamGraph, paths: list[Path]) -> str:
     """The panel whose edges have too few grid edges for their bends, in words; "" if none has."""
-    counts = {
-        (index, edge): len(path) - 1
-        for arc, path in zip(graph.arcs, paths)
-        for index, edge, _ in arc.sides
-    }
-    sewn = {
-        (index, edge)
-        for arc in graph.arcs
-        if arc.kind != EdgeType.NON_STITCH
-        for index, edge, _ in arc.sides
-    }
+    counts: dict[tuple[int, int], int] = {}
+    sewn: set[tuple[int, int]] = set()
+    for arc, path in zip(graph.arcs, paths, strict=True):
+        for index, edge, _ in arc.sides:
+            counts[index, edge] = len(path) - 1
+            if arc.kind != EdgeType.NON_STITCH:
+                sewn.add((index, edge))
     for index, panel in enumerate(graph.placed.panels):
-        area = abs(signed_area(panel.outline))
-        all_round = 0.0
-        for edge, curve in enumerate(panel.curves):
-            if len(curve) < 3:
-                continue
-            count = counts[index, edge]
-            lost, sliver = chord_loss(curve, _chords(count))
-            length = polyline_length(curve)
-            too_short = lost > max(LOST_LENGTH[0] * length, LOST_LENGTH[1])
-            if (too_short and (index, edge) in sewn) or sliver > LOST_AREA * area:
-                return (
-                    f"panel {panel.source!r} has a bent edge of {length:.1f} cm for which the "
-                    f"grid has only {count} grid edges left"
-                )
-            all_round += sliver
-        if all_round > COMPARED_FROM * area:
-            kept = _iou(panel, [counts[index, edge] for edge in range(len(panel.curves))])
-            if kept < MIN_IOU:
-                return (
-                    f"panel {panel.source!r} would keep {kept:.0%} of its shape: the grid has too "
-                    "few grid edges left for its bends"
-                )
+        edges = range(len(panel.curves))
+        reason = _lost_by(
+            panel,
+            [counts[index, edge] for edge in edges],
+            [(index, edge) in sewn for edge in edges],
+        )
+        if reason:
+            return reason
+    return ""
+
+
+def _lost_by(panel: PlacedPanel, counts: list[int], is_sewn: list[bool]) -> str:
+    """What a panel would lose, in words, with so many grid edges for each edge; "" if nothing."""
+    area = abs(signed_area(panel.outline))
+    all_round = 0.0
+    for curve, count, sewn in zip(panel.curves, counts, is_sewn, strict=True):
+        if len(curve) < 3:
+            continue
+        lost, sliver = chord_loss(curve, _chords(count))
+        length = polyline_length(curve)
+        too_short = lost > max(LOST_LENGTH[0] * length, LOST_LENGTH[1])
+        if (too_short and sewn) or sliver > LOST_AREA * area:
+            return (
+                f"panel {panel.source!r} has a bent edge of {length:.1f} cm for which the "
+                f"grid has only {count} grid edges left"
+            )
+        all_round += sliver
+    if all_round > COMPARED_FROM * area:
+        kept = _iou(panel, counts)
+        if kept < MIN_IOU:
+            return (
+                f"panel {panel.source!r} would keep {kept:.0%} of its shape: the grid has too "
+                "few grid edges left for its bends"
+            )
     return ""
 
 
@@ -71,11 +79,10 @@ def _iou(panel: PlacedPanel, counts: list[int]) -> float:
     import shapely
     from shapely.affinity import translate
 
+    spread = [np.linspace(0, 1, _chords(count) + 1) for count in counts]
+    drawn = [resample(c, at) for c, at in zip(panel.curves, spread, strict=True)]
     shapes = []
-    for curves in (
-        panel.curves,
-        [resample(c, np.linspace(0, 1, _chords(n) + 1)) for c, n in zip(panel.curves, counts)],
-    ):
+    for curves in (panel.curves, drawn):
         rings = [np.concatenate([curves[k][:-1] for k in loop]) for loop in panel.loops]
         shape = shapely.make_valid(shapely.Polygon(rings[0], rings[1:]))
         shapes.append(translate(shape, -shape.centroid.x, -shape.centroid.y))

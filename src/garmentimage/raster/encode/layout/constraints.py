@@ -1,31 +1,31 @@
 """Gaps: what keeps panels of one layer apart where they are not sewn together.
 
-Two kinds of one-sided wishes (`Rows`): **facing** boundaries that leave a common node (the legs
-of trousers, a sleeve and a side seam) open like a wedge, and panels that share nothing (the two
-fronts of an open jacket) keep a distance. Weights fade smoothly with the geometry, so that a
-small movement of the pattern is a small movement of the layout.
+Two kinds of soft one-sided constraints (`LinearConstraints`): **facing** boundaries that leave a
+common node (the legs of trousers, a sleeve and a side seam) open like a wedge, and panels that
+share no node (the two fronts of an open jacket) keep a distance. Weights fade smoothly with the
+geometry, so that a small movement of the pattern is a small movement of the layout.
 """
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from garmentimage.geometry import centroid, lengths_along
-from garmentimage.raster.encode.layout.relax import Rows
-from garmentimage.raster.encode.layout.reversed_seams import turned_share
+from garmentimage.raster.encode.layout.reversed_seams import reversal
 from garmentimage.raster.encode.layout.samples import INNER, Samples, ramp
 from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 
 WEDGE = 0.2 / 3.0
 """Opening of a gap of 1 cm, per cm from the node; other gaps in proportion."""
-ROW_WEIGHT = 0.375
-"""Strength of a row per cm of boundary; each pair of boundaries has rows both ways."""
+CONSTRAINT_WEIGHT = 0.375
+"""Strength of a constraint per cm of boundary; each pair of boundaries has some both ways."""
 BEHIND, FAR_BEHIND = (-6.0, -2.0), (-20.0, -10.0)
 """Boundaries this far [cm] on the wrong side of each other near their node do not face each other,
-fading; the second pair away from turned seams (trouser legs may lie crossed)."""
+fading; the second pair away from reversed seams (trouser legs may lie crossed)."""
 TOGETHER = (-0.3, -0.1)
 """Cosine between the directions of boundaries that run together, fading."""
 NEAR_NODE = (10.0, 14.0)
@@ -33,14 +33,69 @@ NEAR_NODE = (10.0, 14.0)
 CHORD_START = (2.0, 6.0)
 """Chord directions are trusted from here on, fading [cm]."""
 END_TAPER = 0.15
-"""Share of the shorter boundary over which the wish fades out at its end."""
+"""Share of the shorter boundary over which a gap fades out at its end."""
 AXIS_BLEND = 0.2
 """How far from the diagonal a direction is pulled along both axes."""
 MIN_WEIGHT = 1e-6
+"""Constraints of less weight are left out."""
+FACING, FACING_CHORDS = -0.4, -0.1
+"""Cosine between the outward normals of boundaries that face each other, by tangents and by chords;
+it fades over 0.1 to both sides."""
+CLEARANCE = 1.8
+"""Distance that panels keep which share no node [cm]."""
+WATCHED = 3.0
+"""Pairs of boundary points up to this much farther apart are watched [cm]."""
+DEEP = (-45.0, -35.0)
+"""Panels that overlap deeper than this are not pushed apart, fading [cm]."""
+MAX_CONSTRAINTS = 1500
+"""Panels that are near in more places than this lie on each other: they are not pushed apart."""
+REACH = 1.0
+"""A boundary that ends this far [cm] above or below a point no more keeps it away."""
 
 
 @dataclass(frozen=True)
-class _Chain:
+class LinearConstraints:
+    """Soft one-sided constraints: sign (x[first] - x[base]) >= distance, along one axis.
+
+    `first` is a point between two samples, at the share `at` from `second[:, 0]` to the other. What
+    is missing to the distance costs weight x (missing)². All arrays have one row per constraint.
+    """
+
+    base: Int[np.ndarray, " m"]
+    """Sample."""
+    second: Int[np.ndarray, "m 2"]
+    """The two samples between which `first` lies."""
+    at: Float[np.ndarray, " m"]
+    axis: Int[np.ndarray, " m"]
+    sign: Float[np.ndarray, " m"]
+    distance: Float[np.ndarray, " m"]
+    """[cm]"""
+    weight: Float[np.ndarray, " m"]
+
+    @classmethod
+    def joined(cls, parts: list["LinearConstraints"]) -> "LinearConstraints":
+        """All constraints, one after the other."""
+        names = [field.name for field in fields(cls)]
+        return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
+
+    @classmethod
+    def none(cls) -> "LinearConstraints":
+        """No constraints."""
+        whole, real = np.zeros(0, int), np.zeros(0)
+        return cls(whole, np.zeros((0, 2), int), real, whole, real, real, real)
+
+    def matrix(self, count: int) -> Float[np.ndarray, "m n"]:
+        """One line per constraint: the coefficients of the samples."""
+        lines = np.zeros((len(self.base), count))
+        m = np.arange(len(self.base))
+        lines[m, self.base] -= self.sign
+        lines[m, self.second[:, 0]] += self.sign * (1 - self.at)
+        lines[m, self.second[:, 1]] += self.sign * self.at
+        return lines
+
+
+@dataclass(frozen=True)
+class _BoundaryRun:
     """A run of boundary that leaves a node and has no neighbour on its own layer."""
 
     key: tuple[int, int, int]
@@ -55,12 +110,14 @@ class _Chain:
     """Unit direction at every sample: of the step that ends there, or of the chord to it."""
 
 
-def facing_rows(graph: SeamGraph, samples: Samples, gap: float, chord: bool) -> Rows:
-    """Wishes that facing boundaries open up to `gap` [cm].
+def gap_constraints(
+    graph: SeamGraph, samples: Samples, gap: float, chord: bool
+) -> LinearConstraints:
+    """Constraints that facing boundaries open up to `gap` [cm].
 
     Two boundaries face each other where the cloth lies on their far sides. That is judged where
     the panels hang on the body, before they are brought together: only there a boundary on the
-    wrong side of another (the outer sides of a hood's halves) shows.
+    wrong side of another (the outer sides of a hood's parts) shows.
 
     Args:
         graph: the garment.
@@ -76,19 +133,21 @@ def facing_rows(graph: SeamGraph, samples: Samples, gap: float, chord: bool) -> 
                 ends = graph.arcs[arc].a, graph.arcs[arc].b
                 for step, node in ((1, ends[back]), (-1, ends[not back])):
                     meeting.setdefault((panel.layer, node), []).append((i, k, step))
-    parts: list[Rows] = []
+    parts: list[LinearConstraints] = []
     for keys in meeting.values():
         if len({panel for panel, _, _ in keys}) < 2:
             continue
-        chains = [_chain(graph, samples, key, chord) for key in keys]
-        for a, b in itertools.permutations(chains, 2):
+        runs = [_boundary_run(graph, samples, key, chord) for key in keys]
+        for a, b in itertools.permutations(runs, 2):
             if a.key[0] != b.key[0]:
-                parts.extend(_wedge(a, b, _lenience(graph, a, b), gap, chord))
-    return Rows.joined(parts) if parts else Rows.none()
+                parts.extend(_wedge(a, b, _crossing_share(graph, a, b), gap, chord))
+    return LinearConstraints.joined(parts) if parts else LinearConstraints.none()
 
 
-def _chain(graph: SeamGraph, samples: Samples, key: tuple[int, int, int], chord: bool) -> _Chain:
-    """The run of boundary that begins with one edge and goes on while it has no neighbour."""
+def _boundary_run(
+    graph: SeamGraph, samples: Samples, key: tuple[int, int, int], chord: bool
+) -> _BoundaryRun:
+    """The run of boundary that begins with one edge, up to the next that has a neighbour."""
     i, edge, step = key
     panel = graph.placed.panels[i]
     first = int(samples.start[i])
@@ -103,7 +162,7 @@ def _chain(graph: SeamGraph, samples: Samples, key: tuple[int, int, int], chord:
     begin = (k if step > 0 else k + 1) * (INNER + 1)
     at = (begin + step * np.arange(run * (INNER + 1) + 1)) % (count * (INNER + 1))
     points = samples.rest[here][at]
-    return _Chain(
+    return _BoundaryRun(
         key=key,
         ids=samples.ids[here][at],
         points=points,
@@ -118,43 +177,54 @@ def _is_alone(graph: SeamGraph, panel: int, edge: int, layer: int) -> bool:
     return sum(graph.placed.panels[p].layer == layer for p, _, _ in arc.sides) == 1
 
 
-def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> Iterator[Rows]:
-    """Rows from the samples of `a` to the points of `b` at the same distance from the node."""
+class _Pairs(NamedTuple):
+    """Samples of one run, and the points of another at the same distance from their node."""
+
+    along: Float[np.ndarray, " n"]
+    """That distance [cm]."""
+    mine: Int[np.ndarray, " n"]
+    """Samples of the first run."""
+    k: Int[np.ndarray, " n"]
+    """The points lie between samples `k - 1` and `k` of the second run ..."""
+    at: Float[np.ndarray, " n"]
+    """... at this share from one to the other."""
+
+
+def _wedge(
+    a: _BoundaryRun, b: _BoundaryRun, crossing: float, gap: float, chord: bool
+) -> Iterator[LinearConstraints]:
+    """Constraints from the samples of `a` to the points of `b` as far from their node.
+
+    Args:
+        a: a run of boundary.
+        b: one of another panel that leaves the same node.
+        crossing: how far they may face each other from the wrong side, see `_crossing_share`.
+        gap: width of a fully opened gap [cm].
+        chord: judge directions by chords.
+    """
     reach = min(a.along[-1], b.along[-1])
-    s = a.along[(a.along > 0) & (a.along <= reach)]
-    if not len(s):
+    pairs = _pairs(a, b, reach)
+    if not len(pairs.along):
         return
-    q = np.arange(1, len(s) + 1)
-    k = np.clip(np.searchsorted(b.along, s), 1, len(b.along) - 1)
-    at = np.clip((s - b.along[k - 1]) / np.maximum(b.along[k] - b.along[k - 1], 1e-9), 0, 1)
-    tangent_a = a.directions[q]
-    tangent_b = _between(b.directions, k, at)
-    normal_a, normal_b = a.hand * _right(tangent_a), b.hand * _right(tangent_b)
-    apart = normal_a - normal_b
+    apart, facing = _facing(a, b, pairs, chord)
+    if not facing[0]:
+        return
+    s, q, k, at = pairs
     offset = _between(b.points, k, at) - a.points[q]
-    bound = -0.1 if chord else -0.4
-    facing = 1 - ramp((normal_a * normal_b).sum(axis=1), bound - 0.1, bound + 0.1)
-    together = ramp((tangent_a * tangent_b).sum(axis=1), *TOGETHER)
-    meets = (a.ids[q] == b.ids[k]) | (a.ids[q] == b.ids[k - 1])
-    reached = np.minimum(facing, together) * ~meets
-    if not reached[0]:
-        return
-    taper = np.minimum(1.0, (reach - s) / (END_TAPER * reach))
-    if chord:
-        taper = taper * ramp(s, *CHORD_START)
-    span = (a.along[np.minimum(q + 1, len(a.along) - 1)] - a.along[q - 1]) / 2
+    strength = _strength(a, pairs, reach, chord)
+    # A gap opens along the axes, of which one that lies near the normals counts alone.
     size = np.abs(apart)
     lean = (size[:, 0] - size[:, 1]) / np.maximum(size.sum(axis=1), 1e-9)
     sideways = ramp(lean, -AXIS_BLEND, AXIS_BLEND)
     for axis, share in ((0, sideways), (1, 1 - sideways)):
         sign = np.where(apart[:, axis] >= 0, 1.0, -1.0)
         behind = sign * offset[:, axis]
-        sane = np.maximum(ramp(behind, *BEHIND), lenience * ramp(behind, *FAR_BEHIND))
+        sane = np.maximum(ramp(behind, *BEHIND), crossing * ramp(behind, *FAR_BEHIND))
         sane = np.where(share > 0, np.maximum(sane, ramp(s, *NEAR_NODE)), 1.0)
-        weight = ROW_WEIGHT * span * taper * share
-        weight = weight * np.minimum.accumulate(np.minimum(reached, sane))
+        # What ends the facing of two runs ends it for all that is farther from the node.
+        weight = strength * share * np.minimum.accumulate(np.minimum(facing, sane))
         (use,) = np.nonzero(weight > MIN_WEIGHT)
-        yield Rows(
+        yield LinearConstraints(
             base=a.ids[q][use],
             second=np.stack([b.ids[k - 1], b.ids[k]], axis=1)[use],
             at=at[use],
@@ -165,12 +235,49 @@ def _wedge(a: _Chain, b: _Chain, lenience: float, gap: float, chord: bool) -> It
         )
 
 
-def _lenience(graph: SeamGraph, a: _Chain, b: _Chain) -> float:
-    """How far two chains that lie on the wrong side of each other may still face each other.
+def _pairs(a: _BoundaryRun, b: _BoundaryRun, reach: float) -> _Pairs:
+    """The samples of `a` up to a distance from its node, and the points of `b` beside them."""
+    s = a.along[(a.along > 0) & (a.along <= reach)]
+    k = np.clip(np.searchsorted(b.along, s), 1, len(b.along) - 1)
+    step = np.maximum(b.along[k] - b.along[k - 1], 1e-9)
+    return _Pairs(s, np.arange(1, len(s) + 1), k, np.clip((s - b.along[k - 1]) / step, 0, 1))
+
+
+def _facing(
+    a: _BoundaryRun, b: _BoundaryRun, pairs: _Pairs, chord: bool
+) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, " n"]]:
+    """In which direction pairs are to be parted, and how far they face each other (0..1).
+
+    They do where their outward normals oppose each other and their directions agree, and not
+    where they are the same samples.
+    """
+    _, q, k, at = pairs
+    tangent_a = a.directions[q]
+    tangent_b = _between(b.directions, k, at)
+    normal_a, normal_b = a.hand * _right(tangent_a), b.hand * _right(tangent_b)
+    bound = FACING_CHORDS if chord else FACING
+    facing = 1 - ramp((normal_a * normal_b).sum(axis=1), bound - 0.1, bound + 0.1)
+    together = ramp((tangent_a * tangent_b).sum(axis=1), *TOGETHER)
+    meets: Bool[np.ndarray, " n"] = (a.ids[q] == b.ids[k]) | (a.ids[q] == b.ids[k - 1])
+    return normal_a - normal_b, np.minimum(facing, together) * ~meets
+
+
+def _strength(a: _BoundaryRun, pairs: _Pairs, reach: float, chord: bool) -> Float[np.ndarray, " n"]:
+    """Weight of each pair where it faces fully: by the boundary that its sample stands for."""
+    s, q = pairs.along, pairs.mine
+    taper = np.minimum(1.0, (reach - s) / (END_TAPER * reach))
+    if chord:
+        taper = taper * ramp(s, *CHORD_START)
+    span = (a.along[np.minimum(q + 1, len(a.along) - 1)] - a.along[q - 1]) / 2
+    return np.asarray(CONSTRAINT_WEIGHT * span * taper)
+
+
+def _crossing_share(graph: SeamGraph, a: _BoundaryRun, b: _BoundaryRun) -> float:
+    """How far two runs that lie on the wrong side of each other may still face each other.
 
     1 where the cloth round their node is sewn from one to the other, as between trouser legs; 0
-    where it is not, or by a seam that is turned: one end of that seam has the panels on their
-    far sides, the other has them crossed for good.
+    where it is not, or by a reversed seam: one end of that seam has the panels on their
+    far sides, the other has them crossed whatever is done.
     """
     panel, edge, step = a.key
     while True:
@@ -179,42 +286,37 @@ def _lenience(graph: SeamGraph, a: _Chain, b: _Chain) -> float:
         if _is_alone(graph, panel, edge, graph.placed.panels[panel].layer):
             return float((panel, edge, step) == b.key)
         arc = graph.arcs[graph.owner[panel, edge][0]]
-        turned = turned_share(graph, arc)
-        if turned > 0 or (panel, edge, step) == a.key:
-            return 1.0 - turned
+        reversed_share = reversal(graph, arc)
+        if reversed_share > 0 or (panel, edge, step) == a.key:
+            return 1.0 - reversed_share
         mine = next(side for side in arc.sides if side[:2] == (panel, edge))
         other = next(side for side in arc.sides if side[:2] != (panel, edge))
         panel, edge, step = other[0], other[1], step if mine[2] == other[2] else -step
 
 
-def _directions(points: np.ndarray, chord: bool) -> np.ndarray:
+def _directions(points: Float[np.ndarray, "n 2"], chord: bool) -> Float[np.ndarray, "n 2"]:
+    """Unit direction at every point: of the step that ends there, or of the chord to it."""
     steps = points[1:] - (points[0] if chord else points[:-1])
     steps = np.concatenate([steps[:1], steps])
-    return steps / (np.hypot(*steps.T)[:, None] + 1e-9)
+    return np.asarray(steps / (np.hypot(*steps.T)[:, None] + 1e-9))
 
 
-def _right(directions: np.ndarray) -> np.ndarray:
+def _right(directions: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
+    """Directions turned a quarter to the right."""
     return np.stack([directions[:, 1], -directions[:, 0]], axis=1)
 
 
-def _between(values: np.ndarray, k: np.ndarray, at: np.ndarray) -> np.ndarray:
-    return (1 - at[:, None]) * values[k - 1] + at[:, None] * values[k]
+def _between(
+    values: Float[np.ndarray, "m 2"], k: Int[np.ndarray, " n"], at: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, "n 2"]:
+    """Values between those numbered `k - 1` and `k`, at a share from the first to the second."""
+    return np.asarray((1 - at[:, None]) * values[k - 1] + at[:, None] * values[k])
 
 
-CLEARANCE = 1.8
-"""Distance that panels keep which share no node [cm]."""
-WATCHED = 3.0
-"""Pairs of boundary points up to this much farther apart are watched [cm]."""
-DEEP = (-45.0, -35.0)
-"""Panels that overlap deeper than this are not pushed apart, fading [cm]."""
-MAX_CONSTRAINTS = 1500
-"""Where panels are near in more places than this they lie on each other: pushing is no use."""
-REACH = 1.0
-"""A boundary that ends this far [cm] above or below a point no more keeps it away."""
-
-
-def clearance_rows(graph: SeamGraph, samples: Samples, points: Float[np.ndarray, "n 2"]) -> Rows:
-    """Wishes that keep panels of one layer apart that share no node, where they come near.
+def clearance_constraints(
+    graph: SeamGraph, samples: Samples, points: Float[np.ndarray, "n 2"]
+) -> LinearConstraints:
+    """Constraints that keep panels of one layer apart that share no node, where they come near.
 
     Points are compared along the axis on which the panels' rest positions lie farther apart,
     with what stands at the same place on the other axis.
@@ -224,7 +326,7 @@ def clearance_rows(graph: SeamGraph, samples: Samples, points: Float[np.ndarray,
     low = np.array([points[r].min(axis=0) for r in rings]) - CLEARANCE
     high = np.array([points[r].max(axis=0) for r in rings]) + CLEARANCE
     centres = np.array([centroid(p.outline) for p in panels])
-    parts: list[Rows] = []
+    parts: list[LinearConstraints] = []
     for i in range(len(panels)):
         for j in range(len(panels)):
             if i == j or panels[i].layer != panels[j].layer:
@@ -235,21 +337,22 @@ def clearance_rows(graph: SeamGraph, samples: Samples, points: Float[np.ndarray,
                 continue
             parts.append(_apart(graph, samples, points, i, j, centres[j] - centres[i]))
     if not parts or sum(len(part.base) for part in parts) > MAX_CONSTRAINTS:
-        return Rows.none()
-    return Rows.joined(parts)
+        return LinearConstraints.none()
+    return LinearConstraints.joined(parts)
 
 
 def _apart(
     graph: SeamGraph,
     samples: Samples,
-    points: np.ndarray,
+    points: Float[np.ndarray, "n 2"],
     i: int,
     j: int,
-    towards: np.ndarray,
-) -> Rows:
-    """Rows from the samples of panel `i` to the boundary of panel `j`, which lies `towards`.
+    towards: Float[np.ndarray, " 2"],
+) -> LinearConstraints:
+    """Constraints from the samples of panel `i` to the boundary of panel `j`, which lies `towards`.
 
-    Each row weighs as much as the two boundaries face each other, so none comes or goes at once.
+    Each constraint weighs as much as the two boundaries face each other, so none comes or goes at
+    once.
     """
     axis = int(abs(towards[1]) > abs(towards[0]))
     sign = 1.0 if towards[axis] >= 0 else -1.0
@@ -267,9 +370,9 @@ def _apart(
     place = points[start, axis] + at * step[:, axis]
     distance = sign * (place - points[mine, axis][:, None])
     shallow = ramp(distance, *DEEP)
-    weight = ROW_WEIGHT * present * facing[:, None] * faced * shallow
+    weight = CONSTRAINT_WEIGHT * present * facing[:, None] * faced * shallow
     row, k = np.nonzero((distance < CLEARANCE + WATCHED) & (weight > MIN_WEIGHT))
-    return Rows(
+    return LinearConstraints(
         base=mine[row],
         second=np.stack([start[k], end[k]], axis=1),
         at=at[row, k],
@@ -281,8 +384,13 @@ def _apart(
 
 
 def _outer_steps(
-    graph: SeamGraph, samples: Samples, points: np.ndarray, panel: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    graph: SeamGraph, samples: Samples, points: Float[np.ndarray, "n 2"], panel: int
+) -> tuple[
+    Int[np.ndarray, " k"],
+    Int[np.ndarray, " k"],
+    Float[np.ndarray, "k 2"],
+    Float[np.ndarray, "k 2"],
+]:
     """Samples round the outer loop, the samples after them, and the steps ahead and behind."""
     count = len(graph.placed.panels[panel].loops[0]) * (INNER + 1)
     here = samples.ids[samples.start[panel] : samples.start[panel] + count]

@@ -1,15 +1,21 @@
 """Relaxation: all panels drawn at once in the picture plane, each keeping its shape as it can.
 
-Energy, with displacement d = x - u from the rest position u and sample length s, summed over the
-panels with their stiffness:
+Minimised over the positions x of all samples, one per node of the seam graph and `INNER` per arc,
+so that seams are coincident: with displacement d = x - u from the rest position u and the boundary
+length s that a sample stands for, the sum over the panels, times their stiffness, of
 
     sum over neighbours  |d_i - d_j|² / h
   + SPREAD sum over pairs  s_i s_j |d_i - d_j|² / (|u_i - u_j|² + NEAR²)
   + ANCHOR sum  s_i |d_i|²
 
+and, for every constraint of `constraints`, weight x max(distance - sign (x_first - x_base), 0)².
+Without those it is one linear system A x = b with a positive definite A, factored once (Cholesky).
+With them it is its dual, a linear complementarity problem in the forces f >= 0 of the constraints
+(`one_sided_forces`), which has one row per constraint and uses the same factor.
+
 The second sum is a bending-free membrane measured on the boundary alone: no triangulation, which
 would change its edges, and the drawing with them, at the slightest movement. Axes stay aligned
-because rest positions are not turned. Paper: the paper aligns panels by hand instead.
+because rest positions are not rotated. Paper: the paper aligns panels by hand instead.
 """
 
 from collections.abc import Collection
@@ -17,55 +23,26 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from garmentimage.raster.encode.layout._kernels import assemble_energy
-from garmentimage.raster.encode.layout.reversed_seams import short_arcs, turned_seams
+from garmentimage.raster.encode.layout.constraints import LinearConstraints
+from garmentimage.raster.encode.layout.reversed_seams import (
+    reversed_seam_targets,
+    short_arc_targets,
+)
 from garmentimage.raster.encode.layout.samples import Samples
 from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 
 ANCHOR = 5e-4
+"""Strength with which a sample keeps its place on the body, per cm of boundary."""
 
 MEMBRANE = 0.25
 """Stiffness of a panel that is drawn as a membrane: as smooth as it can, its shape forgotten."""
 MEMBRANE_ANCHOR = 1e-6
-
-
-@dataclass(frozen=True)
-class Rows:
-    """One-sided wishes: sign (x[first] - x[base]) >= distance, along one axis.
-
-    `first` is a point between two samples, at the share `at` from `second[:, 0]` to the other.
-    """
-
-    base: Int[np.ndarray, " m"]
-    second: Int[np.ndarray, "m 2"]
-    at: Float[np.ndarray, " m"]
-    axis: Int[np.ndarray, " m"]
-    sign: Float[np.ndarray, " m"]
-    distance: Float[np.ndarray, " m"]
-    weight: Float[np.ndarray, " m"]
-
-    @classmethod
-    def joined(cls, parts: list["Rows"]) -> "Rows":
-        """All rows, one after the other."""
-        names = ("base", "second", "at", "axis", "sign", "distance", "weight")
-        return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
-
-    @classmethod
-    def none(cls) -> "Rows":
-        """No rows."""
-        whole, real = np.zeros(0, int), np.zeros(0)
-        return cls(whole, np.zeros((0, 2), int), real, whole, real, real, real)
-
-    def matrix(self, count: int) -> Float[np.ndarray, "m n"]:
-        """One line per row: the coefficients of the samples."""
-        lines = np.zeros((len(self.base), count))
-        m = np.arange(len(self.base))
-        lines[m, self.base] -= self.sign
-        lines[m, self.second[:, 0]] += self.sign * (1 - self.at)
-        lines[m, self.second[:, 1]] += self.sign * self.at
-        return lines
+"""The same as `ANCHOR` for a membrane."""
+MAX_ACTIVE_SETS = 40
+"""Rounds of active sets before the forces are found in another way."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +50,11 @@ class Energy:
     """A quadratic energy x·A x - 2 b·x for both axes, factored once."""
 
     factor: Float[np.ndarray, "n n"]
+    """Lower Cholesky factor of A; what is above its diagonal is not used."""
     load: Float[np.ndarray, "n 2"]
+    """The part of b that keeps shapes; other shapes give another (see `rotated_load`)."""
     anchor_load: Float[np.ndarray, "n 2"]
+    """The part of b that keeps places and directions."""
 
 
 def energy(
@@ -85,7 +65,7 @@ def energy(
     membranes: Collection[int] = (),
     firm: bool = False,
 ) -> Energy:
-    """The energy of the file's head, with the seams that must be turned (see `turned`).
+    """The energy of the file's head, and the directions of reversed seams (see `reversed_seams`).
 
     With `firm`, short arcs keep their direction: among long ones they could be turned over.
     """
@@ -102,8 +82,10 @@ def energy(
         matrix, load, anchor_load, samples.ids, samples.following, samples.start,
         rest, weight, anchor, soft,
     )  # fmt: skip
-    wishes = turned_seams(graph, samples, rest) + (short_arcs(graph) if firm else [])
-    for arc, vector, strength in wishes:
+    targets = reversed_seam_targets(graph, samples, rest)
+    targets += short_arc_targets(graph) if firm else []
+    # An arc that is given a vector pulls all its steps towards even parts of it.
+    for arc, vector, strength in targets:
         chain = samples.arcs[arc]
         steps = len(chain) - 1
         for u, v in pairwise(chain):
@@ -116,41 +98,44 @@ def energy(
 
 @dataclass(frozen=True)
 class Constrained:
-    """An energy with rows, ready to be solved for any load."""
+    """An energy with constraints, ready to be solved for any load."""
 
     energy: Energy
-    rows: Rows
-    lines: Float[np.ndarray, "m n"]
-    """The rows as a matrix."""
-    answer: Float[np.ndarray, "n m"]
-    """What each row's unit force moves."""
+    constraints: LinearConstraints
+    matrix: Float[np.ndarray, "m n"]
+    """The coefficients C of the constraints."""
+    response: Float[np.ndarray, "n m"]
+    """What the unit force of each constraint moves: A⁻¹ Cᵀ."""
 
     @classmethod
-    def of(cls, energy: Energy, rows: Rows) -> "Constrained":
-        """Prepare `energy` with `rows`."""
-        lines = rows.matrix(len(energy.factor))
-        return cls(energy, rows, lines, _solve(energy, lines.T))
+    def of(cls, energy: Energy, constraints: LinearConstraints) -> "Constrained":
+        """Prepare `energy` with `constraints`."""
+        matrix = constraints.matrix(len(energy.factor))
+        return cls(energy, constraints, matrix, _solve(energy, matrix.T))
 
     def minimum(self, load: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
-        """Positions of least energy; every unmet row adds weight x (what is missing)²."""
+        """Positions of least energy under a load.
+
+        With x = A⁻¹ b + A⁻¹ Cᵀ f and W the weights, the forces solve f >= 0,
+        (C A⁻¹ Cᵀ + W⁻¹) f >= distance - C A⁻¹ b, with equality where f > 0. Axes are independent.
+        """
         points = _solve(self.energy, load + self.energy.anchor_load)
         for axis in (0, 1):
-            (k,) = np.nonzero(self.rows.axis == axis)
+            (k,) = np.nonzero(self.constraints.axis == axis)
             if not len(k):
                 continue
-            missing = self.rows.distance[k] - self.lines[k] @ points[:, axis]
-            coupling = self.lines[k] @ self.answer[:, k] + np.diag(1 / self.rows.weight[k])
-            points[:, axis] += self.answer[:, k] @ one_sided_forces(coupling, missing)
+            missing = self.constraints.distance[k] - self.matrix[k] @ points[:, axis]
+            slack = np.diag(1 / self.constraints.weight[k])
+            coupling = self.matrix[k] @ self.response[:, k] + slack
+            points[:, axis] += self.response[:, k] @ one_sided_forces(coupling, missing)
         return points
 
 
-def _solve(energy: Energy, right: np.ndarray) -> np.ndarray:
+def _solve(energy: Energy, right: Float[np.ndarray, "n k"]) -> Float[np.ndarray, "n k"]:
+    """A⁻¹ times the columns of `right`."""
     from scipy.linalg import cho_solve
 
-    return cho_solve((energy.factor, True), right, check_finite=False)
-
-
-ACTIVE_SET_ROUNDS = 40
+    return np.asarray(cho_solve((energy.factor, True), right, check_finite=False))
 
 
 def one_sided_forces(
@@ -158,11 +143,11 @@ def one_sided_forces(
 ) -> Float[np.ndarray, " m"]:
     """Forces f >= 0 with coupling f >= missing, equal where f > 0.
 
-    Primal-dual active sets, which end after a few rounds; should they run in a circle, the
-    same problem as non-negative least squares.
+    Primal-dual active sets (Hintermüller, Ito and Kunisch 2003), which end after a few rounds;
+    should they cycle, the same problem as non-negative least squares (Lawson and Hanson 1974).
     """
     active = missing > 0
-    for _ in range(ACTIVE_SET_ROUNDS):
+    for _ in range(MAX_ACTIVE_SETS):
         force = np.zeros(len(missing))
         (k,) = np.nonzero(active)
         force[k] = np.linalg.solve(coupling[np.ix_(k, k)], missing[k])
@@ -173,4 +158,4 @@ def one_sided_forces(
     from scipy.optimize import nnls
 
     root = np.linalg.cholesky((coupling + coupling.T) / 2)
-    return nnls(root.T, np.linalg.solve(root, missing))[0]
+    return np.asarray(nnls(root.T, np.linalg.solve(root, missing))[0])

@@ -6,6 +6,7 @@ seams are coincident whatever the lengths of their sides, and nothing jumps when
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -40,7 +41,7 @@ class Samples:
     """Sample numbers round every loop of every panel, one after the other."""
     following: Int[np.ndarray, " r"]
     """Position in `ids` of the next sample of the same loop."""
-    start: Int[np.ndarray, " p"]
+    start: Int[np.ndarray, " _"]
     """Where each panel begins in `ids`, and the end."""
     rest: Float[np.ndarray, "r 2"]
     """Rest position of every sample [cm]."""
@@ -52,8 +53,8 @@ class Samples:
         return slice(self.start[index], self.start[index + 1])
 
 
-Resting = tuple[tuple[np.ndarray, ...], ...]
-"""Per panel its curves at rest in the drawing (see `unroll`)."""
+Resting = tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...]
+"""Per panel its curves at rest in the drawing (see `unbend`)."""
 
 
 def sample(graph: SeamGraph, resting: Resting) -> Samples:
@@ -100,7 +101,7 @@ def trunk_share(placed: Placed) -> Float[np.ndarray, " p"]:
     x, y = np.array([centroid(p.outline) for p in placed.panels]).T
     sleeve = ramp(np.abs(x), 18.0, 26.0) * ramp(y, 70.0, 90.0)
     hood = ramp(y, 146.0, 156.0)
-    return 1.0 - np.maximum(sleeve, hood)
+    return np.asarray(1.0 - np.maximum(sleeve, hood))
 
 
 def stiffness_of(placed: Placed) -> Float[np.ndarray, " p"]:
@@ -108,9 +109,22 @@ def stiffness_of(placed: Placed) -> Float[np.ndarray, " p"]:
     return LIMB + (1.0 - LIMB) * trunk_share(placed)
 
 
-def ramp(x: np.ndarray | float, low: float, high: float) -> np.ndarray:
+@overload
+def ramp(x: float, low: float, high: float) -> float: ...
+
+
+@overload
+def ramp(
+    x: Float[np.ndarray, "*shape"], low: float, high: float
+) -> Float[np.ndarray, "*shape"]: ...
+
+
+def ramp(
+    x: Float[np.ndarray, "*shape"] | float, low: float, high: float
+) -> Float[np.ndarray, "*shape"] | float:
     """0 up to `low`, 1 from `high` on, linear between."""
-    return np.clip((x - low) / (high - low), 0.0, 1.0)
+    share = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return share if isinstance(share, np.ndarray) else float(share)
 
 
 def gather(
@@ -121,7 +135,18 @@ def gather(
 ) -> Float[np.ndarray, "p 2"]:
     """Shifts that bring the panels together at their seams, near their places on the body.
 
-    Least squares over the ends of all seams; panels in `free` stay where they are.
+    Least squares: the shifts t minimise, over the two ends of all seams between panels i and j,
+    the sum of w |(p_i + t_i) - (p_j + t_j)|² and of TETHER |t_i|² over the panels, with w the
+    smaller stiffness. Seams of panels in `free` do not count.
+
+    Args:
+        placed: the garment.
+        resting: its curves at rest.
+        stiffness: of each panel.
+        free: numbers of panels that are not brought together with others.
+
+    Returns:
+        A shift for each panel [cm].
     """
     count = len(placed.panels)
     matrix = np.diag(TETHER * np.maximum(trunk_share(placed), LIMB_TETHER))

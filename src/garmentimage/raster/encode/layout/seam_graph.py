@@ -99,13 +99,13 @@ def _merged_corners(placed: Placed) -> dict[Side, tuple[int, int]]:
     ends: dict[Side, tuple[Side, Side]] = {}
     for i, panel in enumerate(placed.panels):
         for loop in panel.loops:
-            for k, following in zip(loop, (*loop[1:], loop[0])):
+            for k, following in zip(loop, (*loop[1:], loop[0]), strict=True):
                 ends[i, k] = (i, k), (i, following)
     number = {corner: n for n, corner in enumerate(ends)}
     parent = np.arange(len(number))
     for seam in placed.seams:
         first, second = ends[seam.a], ends[seam.b]
-        for mine, theirs in zip(first, second[::-1] if seam.crossed else second):
+        for mine, theirs in zip(first, second[::-1] if seam.crossed else second, strict=True):
             merge(parent, number[mine], number[theirs])
     return {
         side: (root_of(parent, number[first]), root_of(parent, number[last]))
@@ -128,12 +128,12 @@ def _open_rings(placed: Placed) -> Placed:
         for loop in panel.loops:
             first = len(curves)
             for k in loop:
-                pieces: tuple[np.ndarray, ...] = (panel.curves[k],)
+                sections: tuple[np.ndarray, ...] = (panel.curves[k],)
                 if (i, k) in rings:
-                    pieces = cut_polyline(panel.curves[k], 0.5)
-                parts[i, k] = tuple((i, len(curves) + n) for n in range(len(pieces)))
-                curves.extend(pieces)
-                origin.extend([panel.origin[k]] * len(pieces))
+                    sections = cut_polyline(panel.curves[k], 0.5)
+                parts[i, k] = tuple((i, len(curves) + n) for n in range(len(sections)))
+                curves.extend(sections)
+                origin.extend([panel.origin[k]] * len(sections))
             loops.append(tuple(range(first, len(curves))))
         panels.append(
             replace(panel, curves=tuple(curves), loops=tuple(loops), origin=tuple(origin))
@@ -141,7 +141,11 @@ def _open_rings(placed: Placed) -> Placed:
     seams = [
         PlacedSeam(a, b, seam.crossed, seam.cut)
         for seam in placed.seams
-        for a, b in zip(parts[seam.a], parts[seam.b][::-1] if seam.crossed else parts[seam.b])
+        for a, b in zip(
+            parts[seam.a],
+            parts[seam.b][::-1] if seam.crossed else parts[seam.b],
+            strict=True,
+        )
     ]
     return replace(placed, panels=tuple(panels), seams=tuple(seams))
 
@@ -153,7 +157,7 @@ def _arc(
 ) -> Arc:
     """The arc of one side or of two, its sides ordered and its direction chosen by place."""
     panels: list[PlacedPanel] = [placed.panels[i] for (i, _), _ in sides]
-    curves = [p.curves[k] for p, ((_, k), _) in zip(panels, sides)]
+    curves = [p.curves[k] for p, ((_, k), _) in zip(panels, sides, strict=True)]
     order = sorted(range(len(sides)), key=lambda n: (sides[n][0][0], _height(curves[n])))
     first = order[0]
     leaning = _lean(curves[first][-1]) < _lean(curves[first][0])

@@ -1,5 +1,10 @@
 """Continuous layout: the seam graph drawn in the picture plane, every seam one curve.
 
+A drawing is the least of the energy of `relax`, under the gaps of `constraints`, sampled along the
+arcs. That is one linear solve and a small complementarity problem per axis; panels that come near
+those they share no node with add constraints, for a fixed number of rounds. The step in which
+panels are as rigid as possible repeats it with rest shapes rotated to fit the last solution.
+
 A cascade of drawings, from the plainest to the freest; nearly every garment is clean at the
 first. Each step is a fixed computation: no search, no randomness, and no choice by file order.
 """
@@ -14,9 +19,13 @@ from jaxtyping import Float
 
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import signed_area
-from garmentimage.raster.encode.layout._kernels import turned_load
-from garmentimage.raster.encode.layout.constraints import clearance_rows, facing_rows
-from garmentimage.raster.encode.layout.relax import Constrained, Energy, Rows, energy
+from garmentimage.raster.encode.layout._kernels import rotated_load
+from garmentimage.raster.encode.layout.constraints import (
+    LinearConstraints,
+    clearance_constraints,
+    gap_constraints,
+)
+from garmentimage.raster.encode.layout.relax import Constrained, Energy, energy
 from garmentimage.raster.encode.layout.samples import (
     REFINED,
     Resting,
@@ -26,7 +35,7 @@ from garmentimage.raster.encode.layout.samples import (
     stiffness_of,
 )
 from garmentimage.raster.encode.layout.seam_graph import SeamGraph
-from garmentimage.raster.encode.layout.unbend import unrolled
+from garmentimage.raster.encode.layout.unbend import unbent_curves
 from garmentimage.raster.encode.placement import FRONT
 
 if TYPE_CHECKING:
@@ -45,9 +54,9 @@ FOLD_TOL = 4.0
 OVERLAP_TOL = 12.0
 """Panels may overlap by this area [cm²]: routing sorts out slivers."""
 
-TURNS = 40
-"""Most as-rigid-as-possible rounds."""
-SETTLED = 0.02
+MAX_RIGID_ROUNDS = 40
+"""Rounds of rotating rest shapes in the step that is as rigid as possible."""
+CONVERGED = 0.02
 """Movement at which they end [cm]."""
 CLEARANCE_ROUNDS = 3
 """Rounds of keeping panels apart that share no node; always as many, so that nothing jumps."""
@@ -58,8 +67,8 @@ class Layout:
     """The seam graph drawn in the picture plane."""
 
     graph: SeamGraph
-    curves: tuple[np.ndarray, ...]
-    """Per arc [K + 2, 2]: body cm, from node a to node b; end points are exactly shared."""
+    curves: tuple[Float[np.ndarray, "_ 2"], ...]
+    """Per arc: body cm, from node a to node b; end points are exactly shared."""
     stage: str
     """Which step of the cascade drew it."""
     problems: tuple[str, ...]
@@ -72,18 +81,23 @@ class _Step:
 
     stage: str
     chord: bool = False
+    """Gaps are judged by chords."""
     gap: float = GAP
-    turning: bool = False
+    """[cm]"""
+    as_rigid: bool = False
+    """Rest shapes may rotate: as rigid as possible."""
     firm: bool = False
+    """Short arcs keep their direction."""
     membranes: frozenset[int] = frozenset()
+    """Panels that forget their shape."""
 
 
 def layouts(graph: SeamGraph) -> Iterator[Layout]:
-    """Layouts of a garment, computed as they are asked for.
+    """Layouts of a garment, computed one by one.
 
     First those without fold or overlap, in the order of the cascade: rigid; with gaps judged by
-    chords; with wider gaps; as rigid as possible; with split halves, then with the panels at
-    fault, as membranes. Then the others, those with the fewest problems first.
+    chords; with wider gaps; as rigid as possible; with parts of split panels, then with the
+    panels at fault, as membranes. Then the others, those with the fewest problems first.
 
     Raises:
         EncodeError: more edges than any grid has room for.
@@ -96,11 +110,11 @@ def layouts(graph: SeamGraph) -> Iterator[Layout]:
             "outlines that turn at every vertex, or leave loose panels out",
             remedy="pattern",
         )
-    desk = _Desk(graph)
+    solver = _LayoutSolver(graph)
     faulty = []
     at_fault: set[int] = set()
     for step in _cascade(graph, at_fault):
-        layout, found = desk.draw(step)
+        layout, found = solver.draw(step)
         at_fault |= found if step.stage == FIRST else set()
         if layout.problems:
             faulty.append(layout)
@@ -116,39 +130,43 @@ def _cascade(graph: SeamGraph, at_fault: set[int]) -> Iterator[_Step]:
     yield _Step("chord", chord=True)
     for kind, gap in WIDE_GAPS:
         yield _Step(f"{kind} gap {gap:g}", chord=kind == "chord", gap=gap)
-    yield _Step("turning", turning=True)
-    yield _Step("chord turning", turning=True, chord=True)
+    yield _Step("as rigid as possible", as_rigid=True)
+    yield _Step("as rigid as possible, chord", as_rigid=True, chord=True)
     panels = graph.placed.panels
-    halves = {i for i, p in enumerate(panels) if p.is_part}
-    front = {i for i in halves if panels[i].layer == FRONT}
-    for stage, soft in (("front", front), ("half", halves), ("faulty", at_fault)):
+    split = {i for i, p in enumerate(panels) if p.is_part}
+    front = {i for i in split if panels[i].layer == FRONT}
+    for stage, soft in (("front", front), ("split", split), ("faulty", at_fault)):
         if soft & at_fault:
             yield _Step(f"{stage} membranes", membranes=frozenset(soft))
 
 
 @dataclass(frozen=True)
-class _Desk:
-    """What all drawings of one garment share."""
+class _LayoutSolver:
+    """Draws one garment; keeps what all its layouts share."""
 
     graph: SeamGraph
 
     @cached_property
     def resting(self) -> Resting:
-        return tuple(unrolled(panel) for panel in self.graph.placed.panels)
+        """Curves of the panels at rest in the drawing."""
+        return tuple(unbent_curves(panel) for panel in self.graph.placed.panels)
 
     @cached_property
     def samples(self) -> Samples:
+        """Samples of the arcs."""
         return sample(self.graph, self.resting)
 
     @cached_property
     def stiffness(self) -> Float[np.ndarray, " p"]:
+        """How strongly each panel keeps its shape."""
         return stiffness_of(self.graph.placed)
 
     @cached_property
-    def _ground(self) -> tuple[np.ndarray, Energy]:
+    def _ground(self) -> tuple[Float[np.ndarray, "r 2"], Energy]:
+        """What most steps begin with."""
         return self._prepared(_Step(FIRST))
 
-    def _prepared(self, step: _Step) -> tuple[np.ndarray, Energy]:
+    def _prepared(self, step: _Step) -> tuple[Float[np.ndarray, "r 2"], Energy]:
         """Rest positions with the panels brought together, and the energy."""
         shifts = gather(self.graph.placed, self.resting, self.stiffness, step.membranes)
         rest = self.samples.rest + np.repeat(shifts, np.diff(self.samples.start), axis=0)
@@ -159,10 +177,10 @@ class _Desk:
     def draw(self, step: _Step) -> tuple[Layout, set[int]]:
         """A layout, and the panels at fault in it."""
         rest, base = self._prepared(step) if step.membranes or step.firm else self._ground
-        facing = facing_rows(self.graph, self.samples, step.gap, step.chord)
+        facing = gap_constraints(self.graph, self.samples, step.gap, step.chord)
         soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
-        turned = partial(
-            turned_load,
+        rotated = partial(
+            rotated_load,
             ids=self.samples.ids,
             following=self.samples.following,
             start=self.samples.start,
@@ -173,14 +191,14 @@ class _Desk:
         system = Constrained.of(base, facing)
         points = system.minimum(base.load)
         for _ in range(CLEARANCE_ROUNDS):
-            near = clearance_rows(self.graph, self.samples, points)
+            near = clearance_constraints(self.graph, self.samples, points)
             if not len(near.base):
                 break
-            system = Constrained.of(base, Rows.joined([facing, near]))
+            system = Constrained.of(base, LinearConstraints.joined([facing, near]))
             points = system.minimum(base.load)
-        for _ in range(TURNS if step.turning else 0):
-            before, points = points, system.minimum(turned(points))
-            if np.abs(points - before).max() < SETTLED:
+        for _ in range(MAX_RIGID_ROUNDS if step.as_rigid else 0):
+            before, points = points, system.minimum(rotated(points))
+            if np.abs(points - before).max() < CONVERGED:
                 break
         curves = _refined(self.graph, self.samples, rest, points)
         problems, at_fault = find_problems(self.graph, curves)
@@ -192,7 +210,7 @@ def _refined(
     samples: Samples,
     rest: Float[np.ndarray, "r 2"],
     points: Float[np.ndarray, "n 2"],
-) -> tuple[np.ndarray, ...]:
+) -> tuple[Float[np.ndarray, "_ 2"], ...]:
     """The arcs through all samples, with the curvature of their edges between them.
 
     Each side's edge is carried along with its samples; an arc is the mean of its two sides.
@@ -211,13 +229,13 @@ def _refined(
             for axis in (0, 1):
                 own[:, axis] += np.interp(places, places[::REFINED], moved[:, axis])
             curves[arc] += own / len(graph.arcs[arc].sides)
-    for curve, chain in zip(curves, samples.arcs):
+    for curve, chain in zip(curves, samples.arcs, strict=True):
         curve[::REFINED] = points[chain]
     return tuple(curves)
 
 
 def find_problems(
-    graph: SeamGraph, curves: tuple[np.ndarray, ...]
+    graph: SeamGraph, curves: tuple[Float[np.ndarray, "_ 2"], ...]
 ) -> tuple[tuple[str, ...], set[int]]:
     """Folded panels and overlapping pairs on a layer, in words, and the panels at fault.
 
@@ -270,7 +288,10 @@ def _largest_part(shape: "shapely.Polygon") -> tuple["shapely.Geometry", float]:
 
 
 def _ring(
-    graph: SeamGraph, curves: tuple[np.ndarray, ...], panel: int, loop: tuple[int, ...]
+    graph: SeamGraph,
+    curves: tuple[Float[np.ndarray, "_ 2"], ...],
+    panel: int,
+    loop: tuple[int, ...],
 ) -> Float[np.ndarray, "n 2"]:
     parts = []
     for k in loop:

@@ -1,4 +1,4 @@
-"""Unrolling: a panel cut as a wide sector, as circle skirts are, rests as a narrower one.
+"""Unbending: a panel cut as a wide sector, as circle skirts are, rests as a narrower one.
 
 The front of a full-circle skirt is half a ring; laid flat its sides stand level with the waist or
 curl up beside it, over whatever is sewn above. On the body it hangs down. Before panels are drawn
@@ -7,6 +7,7 @@ its length. Only the drawing is bent: the panel's own shape is what the image's 
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -15,20 +16,20 @@ from garmentimage.geometry import polyline_length
 from garmentimage.raster.encode.layout.samples import ramp
 from garmentimage.raster.encode.placement import PlacedPanel
 
-WIDEST = np.radians(120.0)
+MAX_ANGLE = np.radians(120.0)
 """Sectors up to this angle rest as they are ..."""
-BEYOND = 0.15
+KEPT_BEYOND = 0.15
 """... and of what is beyond it, this share is kept."""
 SMOOTH = np.radians(35.0)
-"""Edges that meet at a smaller turn than this go on as one arc."""
+"""Edges that meet at a smaller turn than this are one arc."""
 RING = (0.3, 0.5)
 """Shortest side of the sector as a share of its depth, from which on and at which it is a ring
 sector; a neckline or an armhole has short shoulders beside a long body."""
 
 
 @dataclass(frozen=True)
-class _Sector:
-    """A ring sector: where its inner arc lies round its centre."""
+class _AnnularSector:
+    """Part of a ring: where its inner arc lies round its centre."""
 
     first: int
     """Place in the loop of the arc's first edge."""
@@ -40,54 +41,80 @@ class _Sector:
     centre: Float[np.ndarray, " 2"]
 
 
-def unrolled(panel: PlacedPanel) -> tuple[Float[np.ndarray, "n 2"], ...]:
-    """The panel's curves at rest in the drawing: as placed, or bent when it is a wide sector."""
+class _Polar(NamedTuple):
+    """Polar coordinates: angles are 0 along `axis` and grow to its left."""
+
+    centre: Float[np.ndarray, " 2"]
+    axis: Float[np.ndarray, " 2"]
+    """Unit direction."""
+
+    def angles(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
+        """Angle of each point, from -pi to pi."""
+        away, axis = points - self.centre, self.axis
+        across = axis[0] * away[:, 1] - axis[1] * away[:, 0]
+        return np.asarray(np.arctan2(across, away @ axis))
+
+    def radii(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
+        """Distance of each point from the centre."""
+        return np.asarray(np.hypot(*(points - self.centre).T))
+
+    def points(
+        self, radii: Float[np.ndarray, " n"], angles: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "n 2"]:
+        """Points with these coordinates."""
+        left = np.array([-self.axis[1], self.axis[0]])
+        unit = np.cos(angles)[:, None] * self.axis + np.sin(angles)[:, None] * left
+        return np.asarray(self.centre + radii[:, None] * unit)
+
+
+def unbent_curves(panel: PlacedPanel) -> tuple[Float[np.ndarray, "_ 2"], ...]:
+    """The panel's curves at rest in the drawing: as placed, or bent when it is a wide sector.
+
+    In polar coordinates (r, a) round the centre of the inner arc, whose radius is R, a point goes
+    to (r + R (1 / share - 1), share a) round a centre that is R (1 / share - 1) farther off: the
+    inner arc keeps its length and its place, every radius its length.
+    """
     sector = _widest_sector(panel)
     if sector is None:
         return panel.curves
     loop = panel.loops[0]
     order = [loop[(sector.first + k) % len(loop)] for k in range(len(loop))]
-    joined = np.concatenate([panel.curves[k][:-1] for k in order])
-    away = joined - sector.centre
-    lead = sum(len(panel.curves[k]) - 1 for k in order[: sector.count])
-    axis = away[: lead + 1].sum(axis=0)
+    outline = np.concatenate([panel.curves[k][:-1] for k in order])
+    inner = sum(len(panel.curves[k]) - 1 for k in order[: sector.count]) + 1
+    axis = (outline - sector.centre)[:inner].sum(axis=0)
     axis /= np.hypot(*axis) + 1e-9
-    bearing = np.unwrap(
-        np.arctan2(axis[0] * away[:, 1] - axis[1] * away[:, 0], away @ axis), axis=0
-    )
-    bearing -= bearing[: lead + 1].mean()
-    if np.abs(bearing).max() > np.pi:
+    polar = _Polar(sector.centre, axis)
+    angles = np.unwrap(polar.angles(outline), axis=0)
+    angles -= angles[:inner].mean()
+    if np.abs(angles).max() > np.pi:
         return panel.curves
-    ring = _ring_share(panel, order[sector.count], order[-1], np.hypot(*away.T), sector.radius)
-    share = 1.0 - ring * (1 - BEYOND) * (1 - WIDEST / sector.angle)
+    ring = _ring_share(panel, order[sector.count], order[-1], polar.radii(outline), sector.radius)
+    share = 1.0 - ring * (1 - KEPT_BEYOND) * (1 - MAX_ANGLE / sector.angle)
     if share >= 1.0:
         return panel.curves
+    farther = _Polar(sector.centre - axis * sector.radius * (1 / share - 1), axis)
 
-    def bent(points: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        reach = np.hypot(*(points - sector.centre).T) + sector.radius * (1 / share - 1)
-        centre = sector.centre - axis * sector.radius * (1 / share - 1)
-        side = np.array([-axis[1], axis[0]])
-        return centre + reach[:, None] * (
-            np.cos(share * turn)[:, None] * axis + np.sin(share * turn)[:, None] * side
-        )
+    def bent(
+        points: Float[np.ndarray, "n 2"], angles: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "n 2"]:
+        radii = polar.radii(points) + sector.radius * (1 / share - 1)
+        return farther.points(radii, share * angles)
 
     curves = list(panel.curves)
     at = 0
     for k in order:
         size = len(panel.curves[k])
-        turn = np.take(bearing, np.arange(at, at + size), mode="wrap")
-        curves[k] = bent(panel.curves[k], turn)
+        here = np.take(angles, np.arange(at, at + size), mode="wrap")
+        curves[k] = bent(panel.curves[k], here)
         at += size - 1
     for hole in panel.loops[1:]:
         for k in hole:
-            away = panel.curves[k] - sector.centre
-            turn = np.arctan2(axis[0] * away[:, 1] - axis[1] * away[:, 0], away @ axis)
-            curves[k] = bent(panel.curves[k], turn)
+            curves[k] = bent(panel.curves[k], polar.angles(panel.curves[k]))
     return tuple(curves)
 
 
 def _ring_share(
-    panel: PlacedPanel, after: int, before: int, distance: np.ndarray, radius: float
+    panel: PlacedPanel, after: int, before: int, distance: Float[np.ndarray, " n"], radius: float
 ) -> float:
     """1 for a ring sector, 0 for a panel with a mere bay in its outline, fading between."""
     depth = float(distance.max()) - radius
@@ -97,13 +124,13 @@ def _ring_share(
     return float(ramp(side / depth, *RING))
 
 
-def _widest_sector(panel: PlacedPanel) -> _Sector | None:
-    """The run of edges that bends inwards most, when that is more than `WIDEST`."""
+def _widest_sector(panel: PlacedPanel) -> _AnnularSector | None:
+    """The run of edges that bends inwards most, when that is more than `MAX_ANGLE`."""
     loop = panel.loops[0]
     count = len(loop)
     ends = [_end_directions(panel.curves[k]) for k in loop]
     turns = [_turn(panel.curves[k]) * -panel.sign for k in loop]
-    best: _Sector | None = None
+    best: _AnnularSector | None = None
     for first in range(count):
         angle, size = turns[first], 1
         while size < count - 2:
@@ -113,7 +140,7 @@ def _widest_sector(panel: PlacedPanel) -> _Sector | None:
                 break
             angle += turns[there] - panel.sign * corner
             size += 1
-        if turns[first] <= 0 or angle <= max(WIDEST, best.angle if best else 0.0):
+        if turns[first] <= 0 or angle <= max(MAX_ANGLE, best.angle if best else 0.0):
             continue
         points = np.concatenate([panel.curves[loop[(first + k) % count]] for k in range(size)])
         radius = polyline_length(points) / angle
@@ -121,15 +148,18 @@ def _widest_sector(panel: PlacedPanel) -> _Sector | None:
         step /= np.hypot(*step.T)[:, None] + 1e-9
         # Cloth lies to the left of a counter-clockwise loop; the centre on the other side.
         centre = (points + radius * panel.sign * step[:, ::-1] * (1, -1)).mean(axis=0)
-        best = _Sector(first, size, angle, radius, centre)
+        best = _AnnularSector(first, size, angle, radius, centre)
     return best
 
 
-def _end_directions(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _end_directions(
+    curve: Float[np.ndarray, "n 2"],
+) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"]]:
+    """First and last step of a curve."""
     return curve[1] - curve[0], curve[-1] - curve[-2]
 
 
-def _turn(curve: np.ndarray) -> float:
+def _turn(curve: Float[np.ndarray, "n 2"]) -> float:
     """Total turning to the left along a curve [radians]."""
     step = np.diff(curve, axis=0)
     return float(
@@ -140,5 +170,6 @@ def _turn(curve: np.ndarray) -> float:
     )
 
 
-def _angle(a: np.ndarray, b: np.ndarray) -> float:
+def _angle(a: Float[np.ndarray, " 2"], b: Float[np.ndarray, " 2"]) -> float:
+    """Angle from one direction to another, to the left [radians]."""
     return float(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))

@@ -11,7 +11,7 @@ from garmentimage.geometry.polygons import polyline_length
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
 from garmentimage.raster.encode.layout.seam_graph import build_seam_graph
 from garmentimage.raster.encode.layout.solve import FIRST, layouts
-from garmentimage.raster.encode.layout.unbend import WIDEST, unrolled
+from garmentimage.raster.encode.layout.unbend import MAX_ANGLE, unbent_curves
 from garmentimage.raster.encode.placement import place
 from tests.raster.panels import BACK, BOTTOM, LEFT, RIGHT, rectangle, stitch
 
@@ -63,10 +63,10 @@ def bearing(panel, curves):
 def drawn(sweep):
     panels = place(circle_skirt(sweep)).panels
     panel = next(p for p in panels if p.name == "front")
-    return panel, unrolled(panel)
+    return panel, unbent_curves(panel)
 
 
-@given(st.floats(30.0, np.degrees(WIDEST) - 0.5))
+@given(st.floats(30.0, np.degrees(MAX_ANGLE) - 0.5))
 def test_a_narrow_sector_rests_as_it_was_cut(sweep):
     panel, curves = drawn(sweep)
     assert curves == panel.curves
@@ -75,14 +75,14 @@ def test_a_narrow_sector_rests_as_it_was_cut(sweep):
 @given(st.floats(121.0, 335.0))
 def test_a_wide_sector_rests_narrower_with_its_waistline_and_sides_as_long_as_before(sweep):
     panel, curves = drawn(sweep)
-    assert WIDEST / 2 < bearing(panel, curves) < WIDEST / 2 + np.radians(20.0)
+    assert MAX_ANGLE / 2 < bearing(panel, curves) < MAX_ANGLE / 2 + np.radians(20.0)
     for edge in (RIGHT_SIDE, WAISTLINE, LEFT_SIDE):
         assert polyline_length(curves[edge]) == pytest.approx(
             polyline_length(panel.curves[edge]), rel=0.01
         )
 
 
-def test_a_sector_narrows_without_a_jump_where_unrolling_begins():
+def test_a_sector_narrows_without_a_jump_where_unbending_begins():
     (_, before), (_, after) = drawn(119.99), drawn(120.01)
     assert np.allclose(np.concatenate(before), np.concatenate(after), atol=0.05)
 
@@ -99,7 +99,7 @@ def test_a_bodice_with_a_wide_neckline_rests_as_it_was_cut():
         (bodice, back), (stitch("bodice", 1, "back", 5), stitch("bodice", 5, "back", 1))
     )
     for panel in place(pattern).panels:
-        assert unrolled(panel) == panel.curves
+        assert unbent_curves(panel) == panel.curves
 
 
 @laws
