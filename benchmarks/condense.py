@@ -5,7 +5,7 @@
 
 The result holds the figures of each kind, every failure with its reason, the commit, the date and
 a hash of the pattern files, so that the figures can be made again and compared. Folders of designs
-of all sorts, as GarmentCodeData's, are told apart by what their panels are called, too; causes are
+of all sorts, as GarmentCodeData's, are also classified by the names of their panels; causes are
 classes of reasons.
 """
 
@@ -56,12 +56,12 @@ CAUSES = (
     ("grid edges left", "too few grid edges for a bend"),
     ("cross or touch each other near", "an outline that crosses itself"),
     ("does not bring it back", "refused by its proof"),
-    ("given up", "given up"),
+    ("took longer|timed out", "timed out"),
 )
 
 
 def cause(reason: str) -> str:
-    """The class of a reason; those that fit a finer grid are told apart."""
+    """The class of a reason; those that fit a finer grid are a class of their own."""
     name = next((name for rule, name in CAUSES if re.search(rule, reason)), "came back different")
     return f"{name}; fits a finer grid" if "it fits a grid of" in reason else name
 

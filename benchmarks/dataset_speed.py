@@ -34,8 +34,8 @@ def peak_mb(name: str, folder: Path, count: int) -> float:
         "from garmentimage.dataset.recipe import recipe\n"
         "if __name__ == '__main__':\n"
         f"    build(Build(recipe({name!r}), Path({str(folder)!r}), {count}))\n"
-        "    told = Path('/proc/self/status').read_text()\n"
-        "    print(int(re.search(r'VmHWM:\\s+(\\d+)', told).group(1)) / 1024)\n"
+        "    status = Path('/proc/self/status').read_text()\n"
+        "    print(int(re.search(r'VmHWM:\\s+(\\d+)', status).group(1)) / 1024)\n"
     )
     script = folder.with_suffix(".py")
     script.write_text(code)

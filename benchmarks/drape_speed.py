@@ -9,8 +9,8 @@ Without files, the bundled patterns and the middle draft of each kind. Each garm
 `--scaling N` measures the wall time of N drapes with one and with two processes.
 `--other` names a Python file with a function `drape_file(path, body, vertices)` that runs another
 drape program up to a picture of 256 pixels: it is given the pattern as a file, placed on the body,
-its times are taken in turn with ours, and the ratio is told. `--newton` drapes the bundled dress
-with the solvers of newton, which must be installed.
+its times are taken in turn with ours, and the ratio is reported. `--newton` drapes the bundled
+dress with the solvers of newton, which must be installed.
 """
 
 import argparse

@@ -3,7 +3,7 @@
     python benchmarks/learning_speed.py data/vae-variety --space runs/vae-variety/model
 
 Every figure is a median. A network is trained for `--steps` steps of 64 garments of the dataset's
-validation split, in a process of its own, whose largest memory is told. A garment is used as
+validation split, in a process of its own, whose peak memory is reported. A garment is used as
 `encode` (pattern to latent vector, with its raster) and `step` (latent vector to a pattern that was
 repaired and checked, with its parts), over `--garments` garments.
 """

@@ -1,7 +1,7 @@
 """Mutations of pattern files: what strangers' tools, hands and networks do to a specification.
 
 Each takes a specification (as `pattern_to_spec` gives it) and random numbers, changes the
-specification in place and says what should come of it.
+specification in place and returns the result that is expected.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ Spec = dict[str, Any]
 
 @dataclass(frozen=True)
 class Expected:
-    """What should come of a mutated file, and how it was mutated."""
+    """The expected result of a mutated file, and how it was mutated."""
 
     what: str
     """With its numbers, to make it again by hand."""

@@ -3,7 +3,7 @@
     python benchmarks/picture_views.py [--count 6] [--seed 0] [--out FILE.json]
 
 Drafted garments of every kind are worn and photographed from the front and turned about the
-upright; told are the mean confidence of each network, and the share of garments whose front is
+upright; reported are the mean confidence of each network, and the share of garments whose front is
 trusted more than the turned view.
 """
 

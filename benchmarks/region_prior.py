@@ -4,7 +4,7 @@
         [-o OUT.json]
 
 FOLDERs of pattern files are sources, and so are drafts of every kind. Every fourth garment, by a
-hash of its name, is for validation: what is fitted on the others is told beside what these say.
+hash of its name, is for validation: what is fitted on the others is reported beside what these say.
 The constants of `raster/repair/walls.py` and `raster/repair/labelling.py` come from here: the price
 of a thing is minus the logarithm of its share among things of its sort [nats], sources counting
 the same.

@@ -5,8 +5,8 @@
 Without files, the bundled patterns. Each file is encoded and decoded `--repeats` times after a
 first, untimed time; the table gives the median, the slowest tenth and the worst over the files.
 `--other` names a Python file with a function `encode_file(path, grid)` that runs another encoder:
-its times are taken in turn with ours, in the same process, and the ratio is told (over the files
-that both encode). What encoding's time goes into is told from a profile, and `--folder` measures
+its times are taken in turn with ours, in the same process, and the ratio is reported (over the
+files that both encode). The shares of encoding's stages are taken from a profile, and `--folder` measures
 round trips of all files with one process and with one for each core.
 """
 
@@ -53,7 +53,7 @@ STAGES = {
     "deformation": (("encoder.py", "_deform"),),
     "proof": (("proof.py", "disproof"),),
 }
-"""Functions that the stages of encoding are told from."""
+"""Functions by which the stages of encoding are recognised."""
 FRESH = "import garmentimage as gi; gi.decode(gi.encode(gi.load_pattern({path!r}), grid={grid}))"
 
 

@@ -16,7 +16,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("src", "docs", "scripts", "benchmarks")
-FILES = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "Makefile")
+FILES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "Makefile")
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,6 @@ def findings(path: Path) -> list[str]:
 
 # The rooms that are not yet clean; take a room out as soon as it is.
 UNCLEAN = {
-    "benchmarks",
     "body",
     "cli",
     "compare",
