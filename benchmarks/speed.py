@@ -6,8 +6,8 @@ Without files, the bundled patterns. Each file is encoded and decoded `--repeats
 first, untimed time; the table gives the median, the slowest tenth and the worst over the files.
 `--other` names a Python file with a function `encode_file(path, grid)` that runs another encoder:
 its times are taken in turn with ours, in the same process, and the ratio is reported (over the
-files that both encode). The shares of encoding's stages are taken from a profile, and `--folder` measures
-round trips of all files with one process and with one for each core.
+files that both encode). The shares of encoding's stages are taken from a profile, and `--folder`
+measures round trips of all files with one process and with one for each core.
 """
 
 import argparse
