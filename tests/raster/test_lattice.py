@@ -79,7 +79,7 @@ def test_polishing_twice_changes_nothing(garment):
     drawing = plain_drawing(garment)
     coarse, _ = compacted(drawing, route(drawing, FINE, 5.0), 1, 15)
     once = polish(drawing, coarse, 1, 15)
-    for a, b in zip(once, polish(drawing, once, 1, 15), strict=False):
+    for a, b in zip(once, polish(drawing, once, 1, 15), strict=True):
         assert np.array_equal(a, b)
 
 
@@ -162,7 +162,7 @@ def test_canonical_numbering_forgets_order_and_direction():
     order = np.arange(len(drawing.arcs))[::-1]
     shuffled = replace(drawing, arcs=drawing.arcs.take(order).with_reversed([True] * len(order)))
     a, b = lattice_paths(drawing, FINE, 5.0), lattice_paths(shuffled, FINE, 5.0)
-    for i, path in zip(order, b, strict=False):
+    for i, path in zip(order, b, strict=True):
         assert np.array_equal(a[i], path[::-1])
 
 
@@ -178,5 +178,5 @@ def test_a_quad_mesh_whose_boundary_stays_does_not_move():
 def _rectangle(name: str, width: float, height: float) -> Panel:
     w, h = width / 2, height / 2
     corners = [(-w, -h), (w, -h), (w, h), (-w, h)]
-    lines = [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=False)]
+    lines = [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
     return Panel(name, loop_from_curves(lines), translation=(0.0, 100.0, 20.0))

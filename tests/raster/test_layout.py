@@ -47,7 +47,7 @@ def by_side(layout):
     panels = layout.graph.placed.panels
     return {
         (panels[p].name, edge): curve[::-1] if back else curve
-        for arc, curve in zip(layout.graph.arcs, layout.curves, strict=False)
+        for arc, curve in zip(layout.graph.arcs, layout.curves, strict=True)
         for p, edge, back in arc.sides
     }
 
@@ -73,7 +73,7 @@ def test_plain_garments_are_clean_at_the_first_step(garment):
 def test_arcs_that_meet_share_their_end_points_exactly(garment):
     layout = first_layout(garment)
     at = {}
-    for arc, curve in zip(layout.graph.arcs, layout.curves, strict=False):
+    for arc, curve in zip(layout.graph.arcs, layout.curves, strict=True):
         for node, point in ((arc.a, curve[0]), (arc.b, curve[-1])):
             assert (at.setdefault(node, point) == point).all()
 
@@ -174,7 +174,7 @@ def test_more_edges_than_any_grid_has_room_for_are_refused():
     turn = np.linspace(0, 2 * np.pi, MAX_ARCS + 2)[:-1]
     radius = np.where(np.arange(len(turn)) % 2, 30.0, 28.0)
     star = list(
-        zip((radius * np.cos(turn)).tolist(), (radius * np.sin(turn)).tolist(), strict=False)
+        zip((radius * np.cos(turn)).tolist(), (radius * np.sin(turn)).tolist(), strict=True)
     )
     pattern = Pattern((polygon("star", star, (0.0, 100.0, 20.0)),))
     with pytest.raises(EncodeError, match="'star'"):
