@@ -25,7 +25,7 @@ import numpy as np
 
 from garmentimage.compare.matching import MIRRORED, POSES, TURNED
 from garmentimage.geometry import Curve, Point, centroid, connected_components, signed_area
-from garmentimage.pattern import Pattern, Run, sewn_runs
+from garmentimage.pattern import Pattern, SeamRun, sewn_runs
 
 LENGTH_TOL_SHARE = 0.02
 """Stitched lengths agree within this share of the length ..."""
@@ -48,7 +48,7 @@ PoseTable = Mapping[tuple[str, str], tuple[int, ...]]
 
 
 @dataclass(frozen=True)
-class SeamSide(Run):
+class SeamSide(SeamRun):
     """One side of a seam, and what is measured of it."""
 
     length: float

@@ -32,7 +32,7 @@ from .placement import (
 )
 from .seam_runs import (
     STUB_CM as STUB_CM,
-    Run as Run,
+    SeamRun as SeamRun,
     sewn_runs as sewn_runs,
     side_loops as side_loops,
     stubs as stubs,

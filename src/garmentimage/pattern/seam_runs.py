@@ -12,7 +12,7 @@
   beside it meets.
 """
 
-from collections.abc import Callable, Container
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import dist
@@ -25,7 +25,7 @@ left over at corners and beside darts."""
 
 
 @dataclass(frozen=True)
-class Run:
+class SeamRun:
     """One side of a seam."""
 
     panel: str
@@ -50,46 +50,76 @@ class Run:
         return tuple(Side(self.panel, edge) for edge in self.edges)
 
 
-def sewn_runs(pattern: Pattern) -> tuple[Run, ...]:
+def sewn_runs(pattern: Pattern) -> tuple[SeamRun, ...]:
     """All runs of a pattern, in order of panel, loop and edge.
 
     Stubs are left out: their edges belong to no run. The pattern's stitches must name existing
     edges, each at most once.
     """
     left_out = stubs(pattern)
-    stitch_of = {side: s for s in pattern.stitches for side in s.sides if side not in left_out}
     loops = [(n, [s for s in ring if s not in left_out]) for n, ring in side_loops(pattern)]
-    after = {s: n for _, ring in loops for s, n in zip(ring, ring[1:] + ring[:1])}
-    before = {n: s for s, n in after.items()}
+    order = _SeamOrder(pattern, [ring for _, ring in loops], left_out)
+    chains = [(number, order.chains(ring)) for number, ring in loops]
+    every = [chain for _, own in chains for chain in own]
+    index = {side: k for k, chain in enumerate(every) for side in chain}
+    return tuple(
+        SeamRun(
+            panel=chain[0].panel,
+            loop=number,
+            edges=tuple(side.edge for side in chain),
+            closed=order.continues(chain[-1]),
+            next=index[following[0]],
+            gap_after=order.after[chain[-1]] != following[0],
+            partner=index[pattern.partners[chain[0]]],
+            same_direction=order.stitch_of[chain[0]].same_direction,
+        )
+        for number, own in chains
+        for chain, following in zip(own, own[1:] + own[:1], strict=True)
+    )
 
-    def goes_on(side: Side) -> bool:
-        """Whether the run of `side` goes on with the edge after it."""
-        follower = after[side]
-        stitch, following = stitch_of.get(side), stitch_of.get(follower)
+
+class _SeamOrder:
+    """Which edges follow each other round the loops, and along seams."""
+
+    def __init__(
+        self, pattern: Pattern, rings: Sequence[list[Side]], left_out: Container[Side]
+    ) -> None:
+        self.partners = pattern.partners
+        self.stitch_of = {s: x for x in pattern.stitches for s in x.sides if s not in left_out}
+        self.after = {s: n for ring in rings for s, n in zip(ring, _turned(ring), strict=True)}
+        self.before = {n: s for s, n in self.after.items()}
+
+    def continues(self, side: Side) -> bool:
+        """Whether the run of `side` has the edge after it, too."""
+        follower = self.after[side]
+        stitch, following = self.stitch_of.get(side), self.stitch_of.get(follower)
+        # One stitch for both is the apex of a dart, whose legs are two runs.
         if stitch is None or following is None or stitch is following:
             return False
         if stitch.same_direction != following.same_direction:
             return False
-        step = after if stitch.same_direction else before
-        return pattern.partners[follower] == step[pattern.partners[side]]
+        step = self.after if stitch.same_direction else self.before
+        return self.partners[follower] == step[self.partners[side]]
 
-    chains = [(number, _chains(ring, stitch_of, goes_on)) for number, ring in loops]
-    every = [chain for _, own in chains for chain in own]
-    index = {side: k for k, chain in enumerate(every) for side in chain}
-    return tuple(
-        Run(
-            panel=chain[0].panel,
-            loop=number,
-            edges=tuple(side.edge for side in chain),
-            closed=goes_on(chain[-1]),
-            next=index[following[0]],
-            gap_after=after[chain[-1]] != following[0],
-            partner=index[pattern.partners[chain[0]]],
-            same_direction=stitch_of[chain[0]].same_direction,
-        )
-        for number, own in chains
-        for chain, following in zip(own, own[1:] + own[:1])
-    )
+    def chains(self, ring: list[Side]) -> list[list[Side]]:
+        """The runs of one loop, in loop order; a closed run begins at the first edge."""
+        starts = [
+            k for k, s in enumerate(ring) if s in self.stitch_of and not self.continues(ring[k - 1])
+        ]
+        if not starts:
+            return [ring] if ring[0] in self.stitch_of else []
+        chains = []
+        for start in starts:
+            chain = [ring[start]]
+            while self.continues(chain[-1]):
+                chain.append(ring[(start + len(chain)) % len(ring)])
+            chains.append(chain)
+        return chains
+
+
+def _turned(ring: list[Side]) -> list[Side]:
+    """The ring from its second edge on."""
+    return ring[1:] + ring[:1]
 
 
 def stubs(pattern: Pattern) -> frozenset[Side]:
@@ -141,19 +171,3 @@ def side_loops(pattern: Pattern) -> list[tuple[int, list[Side]]]:
             loops.append((number, [Side(panel.name, k) for k in range(first, last)]))
             first = last
     return loops
-
-
-def _chains(
-    ring: list[Side], sewn: Container[Side], goes_on: Callable[[Side], bool]
-) -> list[list[Side]]:
-    """The sewn chains of one loop, in loop order."""
-    starts = [k for k, s in enumerate(ring) if s in sewn and not goes_on(ring[k - 1])]
-    if not starts:
-        return [ring] if ring[0] in sewn else []
-    chains = []
-    for start in starts:
-        chain = [ring[start]]
-        while goes_on(chain[-1]):
-            chain.append(ring[(start + len(chain)) % len(ring)])
-        chains.append(chain)
-    return chains
