@@ -50,7 +50,7 @@ STAGES = {
         ("symmetry.py", "right_half"),
         ("canonical.py", "canonical"),
     ),
-    "deformation": (("encoder.py", "_deform"),),
+    "deformation": (("rasterize.py", "_deform"),),
     "proof": (("proof.py", "disproof"),),
 }
 """Functions by which the stages of encoding are recognised."""

@@ -15,7 +15,11 @@ def deform_quad_mesh(
 ) -> Float[np.ndarray, "vertex 2"]:
     """Move a quad mesh onto a panel boundary while changing its edges least.
 
-    Paper: Eq. 1. We solve for the free vertices only, which equals its Lagrange system.
+    Paper: Eq. 1, argmin over v of the sum over edges (i, j) of |(v_j - v_i) - (rest_j - rest_i)|²,
+    subject to C v = c, the boundary vertices on the panel's boundary. The paper solves it with
+    Lagrange multipliers; fixing the pinned vertices and solving for the free ones is the same. With
+    L the Laplacian of the mesh, f free and p pinned vertices, that is one positive definite system
+    for both axes, L_ff v_f = (L rest)_f - L_fp c.
 
     Args:
         rest: grid vertices before deformation [cm].
@@ -42,6 +46,7 @@ def deform_quad_mesh(
     free = np.flatnonzero(is_free)
     if not len(free):
         return out
+    # A mesh has some hundred vertices: a dense Cholesky factor is quicker than a sparse one.
     laplace = np.zeros((count, count))
     i, j = edges[:, 0], edges[:, 1]
     np.add.at(laplace, (i, i), 1.0)

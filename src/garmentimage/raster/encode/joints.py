@@ -1,9 +1,9 @@
-"""Joints: where the outline goes on so that the raster may draw two edges as one.
+"""Joints: where an outline is so smooth that the raster may draw two edges as one.
 
 Drawings by CAD programs and traced outlines come in hundreds of short edges, more than any grid
-has lines. Edges of one fate (free, or sewn on to what follows on both sides) that go on smoothly
-are one edge to the raster; stubs (see `pattern.seams`) are a part of the edge beside them. No
-point moves: a joined edge is drawn through all that it was joined from.
+has lines. Edges of one fate (free, or sewn to edges that follow each other, too) that meet
+smoothly are one edge to the raster; stubs (see `pattern.seam_runs`) are a part of the edge beside
+them. No point moves: a joined edge is drawn through all that it was joined from.
 
 Words of this file:
 
@@ -23,8 +23,8 @@ from garmentimage.geometry import Curve
 from garmentimage.pattern import STUB_CM, Pattern, Side, sewn_runs, side_loops, stubs
 
 DENSE_EDGES, DENSE_CM = 5, 6.0
-"""A stretch of so many edges, shorter than this [cm] on average, is traced. Of 30,000 stretches of
-drafted garments and of those by others none is."""
+"""A stretch of so many edges, shorter than this [cm] on average, is traced. None of 30,000
+stretches of drafted garments and of those by others is."""
 
 CORNER = np.deg2rad(75.0)
 """A turn that is a corner wherever it stands."""
@@ -42,11 +42,11 @@ class Joints:
     """Where edges are joined."""
 
     open: frozenset[Side]
-    """Edges that go on from the edge before them."""
+    """Edges that continue the edge before them."""
     stubs: frozenset[Side]
     """Edges that are a part of the edge beside them, whatever they are sewn to."""
     kept: tuple[Side, ...]
-    """Edges of dense garments whose starts, inside a stretch, decoding shall put back."""
+    """Edges of dense garments whose starts, inside a stretch, decoding restores."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def _stretches(pattern: Pattern, short: frozenset[Side]) -> Iterator[_Stretch]:
 
 
 def _may_be_dense(pattern: Pattern) -> bool:
-    """Whether a loop has short edges enough; of most patterns that is all one needs to know."""
+    """Whether a loop has short edges enough; most patterns have none."""
     for _, ring in side_loops(pattern):
         if len(ring) >= DENSE_EDGES:
             shortest = sorted(ring, key=lambda side: pattern.curve(side).length)[:DENSE_EDGES]
@@ -134,7 +134,7 @@ def _is_dense(pattern: Pattern, edges: Sequence[Side]) -> bool:
 
 
 def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
-    """The joints of a stretch on all its sides, and whether they are no corners on any."""
+    """The joints of a stretch on all its sides, and whether they are smooth on each."""
     if stretch.whole_loop:
         stretch = _begun_lowest(pattern, stretch)
     count = len(stretch.sides[0])
@@ -220,7 +220,7 @@ class _Walk:
 
 
 _TIPS = np.array([0.0, 0.01, 0.99, 1.0])
-"""Parameters that tell how a curve begins and ends."""
+"""Parameters at which the directions of a curve's ends are measured."""
 
 
 def _parts(lengths: Sequence[np.ndarray]) -> list[int]:

@@ -99,7 +99,7 @@ class Placed:
     panels: tuple[PlacedPanel, ...]
     seams: tuple[PlacedSeam, ...]
     joined: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
-    """Of the pattern's panels, vertices of dense outlines that decoding shall put back, in the
+    """Of the pattern's panels, vertices of dense outlines that decoding restores, in the
     panel's own frame [cm]."""
 
 

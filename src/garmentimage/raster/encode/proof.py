@@ -1,4 +1,4 @@
-"""Proof: whether decoding an image brings its pattern back, and if not, what is lost."""
+"""Proof: whether an image decodes to its pattern, and if not, what is lost."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -29,18 +29,18 @@ BOW_LIMIT = 2.0
 
 @dataclass(frozen=True)
 class Disproof:
-    """Why an image does not bring its pattern back."""
+    """Why an image does not decode to its pattern."""
 
     reason: str = ""
     """In words; "" where it does."""
     bows: Mapping[tuple[str, int | None], float] = field(default_factory=dict)
-    """Where only lengths of seams are lost: what would bring them back, see `Bows`."""
+    """Where only lengths of seams are lost: what would restore them, see `Bows`."""
 
 
 def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Disproof:
-    """Decode an image, and say what of its pattern does not come back.
+    """Decode an image, and name what of its pattern is lost.
 
-    What counts is what `judge` says; it is asked only where a quicker look leaves doubt.
+    `judge` decides; it is called only where a quicker test leaves doubt.
 
     Args:
         pattern: what the image should show.
@@ -56,7 +56,7 @@ def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Dispr
     back = stitch_graph(decoded)
     if surely_same(pattern, decoded, (graph, back)):
         return Disproof()
-    # With marks every panel has its name again, so that no other assignment need be looked for.
+    # With marks every panel has its name again, so that no other assignment is searched.
     same = {name: name for name in graph.panels if name in back.panels}
     lost = same_stitch_graph(graph, back, same)
     if not lost:
@@ -79,7 +79,7 @@ def bowed(points: Float[np.ndarray, "n 2"], bow: float) -> Float[np.ndarray, "n 
 
 
 def lengthening(pattern: Pattern, graph: StitchGraph, back: StitchGraph) -> Bows:
-    """What would bring back the lengths of seams; nothing where more than lengths differ.
+    """What would restore the lengths of seams; nothing where more than lengths differ.
 
     For a flat bend of width w the length l is about sqrt(w² + h²), h growing as the bend does.
     """
