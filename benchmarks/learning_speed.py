@@ -89,20 +89,20 @@ def made(data: Path, kind: str, grid: int) -> tuple[Any, Any]:
     """A network that has learnt nothing yet, and what it learns from."""
     import torch
 
-    from garmentimage.learn.data.pattern_vectors import read_patterns, vectors, vocabulary
+    from garmentimage.learn.data.pattern_vectors import build_vocabulary, read_patterns, to_vectors
     from garmentimage.learn.data.rasters import from_channels
-    from garmentimage.learn.models.garment_vae import GarmentVAE, default_config
+    from garmentimage.learn.models.garment_vae import GarmentVAE, vae_config
     from garmentimage.learn.models.vector_vae import VectorVAE, VectorVAEConfig
 
     patterns = read_patterns(data, "validation")[:256]
     torch.manual_seed(0)
     if kind == "vectors":
-        words = vocabulary(patterns)
-        return VectorVAE(VectorVAEConfig(len(words.panels), words.vertices)), vectors(
+        words = build_vocabulary(patterns)
+        return VectorVAE(VectorVAEConfig(len(words.panels), words.vertices)), to_vectors(
             patterns, words
         )
     images = np.stack([encode(each, grid).to_channels() for each in patterns])
-    model = GarmentVAE(default_config(grid))
+    model = GarmentVAE(vae_config(grid))
     model = model.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     return model, from_channels(images.reshape(len(images), 2, -1, grid, grid))
 
@@ -120,7 +120,7 @@ def used(data: Path, name: str, count: int) -> dict[str, float]:
     return {
         "encode: pattern to latent": timed(space.encode, patterns),
         "of it the network": timed(space.encode_channels, rasters),
-        "step: latent to checked pattern": timed(space.step, latents),
+        "step: latent to checked pattern": timed(space.decode, latents),
         "network": timed(lambda z: space.decode_channels(z[None]), latents),
         "repair": timed(repair, channels),
         "decoding": timed(decode, images),

@@ -29,10 +29,10 @@ import garmentimage as gi
 from garmentimage.dataset.overview import dataset_hash, read_summary
 from garmentimage.dataset.read import parse_patterns, read_tables
 from garmentimage.dataset.recipe import load_recipe
-from garmentimage.learn.data.images import read_album
+from garmentimage.learn.data.images import load_split
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.similarity import likeness
-from garmentimage.networks.decoded import step_of
+from garmentimage.networks.decoded import decoded_garment
 from garmentimage.raster.channels import join_channels, split_channels
 
 WEIGHTS = 1.0, 3.0**0.5, 3.0, 5.0
@@ -123,7 +123,7 @@ def by_colour(data: Path, network: Path) -> dict[str, Any]:
         ImageColor.getrgb(load_recipe(read_summary(data)["recipe"]).colours["bottom"])
     )
     predictor = gi.PatternPredictor.load(network)
-    album = read_album(data, "validation")
+    album = load_split(data, "validation")
     dresses = [k for k, name in enumerate(album.types) if name == DRESS][:DRESSES]
     counts: dict[str, Counter[int]] = {}
     for number in dresses:
@@ -135,7 +135,7 @@ def by_colour(data: Path, network: Path) -> dict[str, Any]:
             ("painted below the waist", painted(plain, bottom, waist)),
             ("painted", painted(plain, bottom, 0)),
         ):
-            pattern = predictor.predict(pixels).step.pattern
+            pattern = predictor.predict(pixels).garment.pattern
             panels = len(pattern.panels) if pattern else 0
             counts.setdefault(name, Counter())[panels] += 1
     return {
@@ -147,7 +147,7 @@ def by_colour(data: Path, network: Path) -> dict[str, Any]:
 def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
     """Panel IoU and exact topology with shares of edge types freed of a weight on boundaries."""
     predictor = gi.PatternPredictor.load(network)
-    albums = [read_album(data, split) for split in ("validation", "test")]
+    albums = [load_split(data, split) for split in ("validation", "test")]
     given = [
         predictor.channels(
             np.ascontiguousarray(album.garments.pictures[[k]].numpy()[:, :, ::-1]).transpose(
@@ -163,7 +163,7 @@ def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
     for weight in WEIGHTS:
         found = []
         for channels, truth in zip(given, truths, strict=True):
-            step = step_of(np.zeros(0, np.float32), freed(channels, weight), "full")
+            step = decoded_garment(np.zeros(0, np.float32), freed(channels, weight), "full")
             found.append(likeness(truth, step.pattern).figures())
         told["by weight"][f"{weight:g}"] = {
             key: {

@@ -24,16 +24,16 @@ from PIL import Image
 from provenance import provenance
 
 from garmentimage.dataset.overview import dataset_hash
-from garmentimage.learn.data.images import read_album
-from garmentimage.networks.decoded import step_of
-from garmentimage.predict.photo import framed, read_photo
-from garmentimage.predict.predictor import DEFAULT, PatternPredictor
+from garmentimage.learn.data.images import load_split
+from garmentimage.networks.decoded import decoded_garment
+from garmentimage.predict.photo import frame_photo, read_photo
+from garmentimage.predict.predictor import DEFAULT_NETWORK, PatternPredictor
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("data", type=Path)
-    parser.add_argument("--network", default=DEFAULT)
+    parser.add_argument("--network", default=DEFAULT_NETWORK)
     parser.add_argument("--pictures", type=int, default=100)
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
@@ -50,7 +50,7 @@ def main() -> int:
 
 
 def timed(network: PatternPredictor, data: Path, count: int) -> dict[str, dict[str, float]]:
-    pictures = read_album(data, "validation").garments.pictures[:count].numpy()
+    pictures = load_split(data, "validation").garments.pictures[:count].numpy()
     times: dict[str, list[float]] = {
         name: [] for name in ("file", "network", "pattern", "from picture to pattern")
     }
@@ -59,11 +59,11 @@ def timed(network: PatternPredictor, data: Path, count: int) -> dict[str, dict[s
             path = Path(folder) / f"{number}.png"
             Image.fromarray(np.ascontiguousarray(upward[:, ::-1].transpose(1, 2, 0))).save(path)
             began = time.perf_counter()
-            photo = framed(read_photo(path), network.box, network.size)
+            photo = frame_photo(read_photo(path), network.box, network.size)
             read = time.perf_counter()
             channels = network.channels(photo.pixels[None])[0]
             seen = time.perf_counter()
-            step_of(np.zeros(0, np.float32), channels, "full")
+            decoded_garment(np.zeros(0, np.float32), channels, "full")
             done = time.perf_counter()
             if number:  # the first one compiles
                 for name, seconds in zip(

@@ -20,10 +20,10 @@ from provenance import provenance
 import garmentimage as gi
 from garmentimage.dataset.overview import dataset_hash
 from garmentimage.dataset.read import parse_patterns
-from garmentimage.learn.data.images import read_album
+from garmentimage.learn.data.images import load_split
 from garmentimage.metrics.intervals import interval
 from garmentimage.metrics.similarity import likeness
-from garmentimage.networks.decoded import step_of
+from garmentimage.networks.decoded import decoded_garment
 
 FIGURES = "panel_iou", "topology", "panels", "valid"
 
@@ -37,7 +37,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("-o", "--out", type=Path)
     args = parser.parse_args()
-    album = read_album(args.data, args.split)
+    album = load_split(args.data, args.split)
     truths = parse_patterns(list(album.patterns[: args.count]), args.data)
     if not args.channels.exists():
         predictor = gi.PatternPredictor.load(args.network)
@@ -47,7 +47,7 @@ def main() -> int:
         np.save(args.channels, np.stack(predicted))
     found = []
     for channels, truth in zip(np.load(args.channels), truths, strict=True):
-        step = step_of(np.zeros(0, np.float32), channels, "full")
+        step = decoded_garment(np.zeros(0, np.float32), channels, "full")
         found.append(likeness(truth, step.pattern).figures())
     result = {
         **provenance([]),

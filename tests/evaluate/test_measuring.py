@@ -86,6 +86,6 @@ def test_edits_without_the_intended_topology_do_not_count_for_the_overlap():
 def test_without_a_network_an_edit_of_nothing_changes_nothing():
     codec, garment = PlainCodec(16), draft_pattern("top-skirt")
     a, b = codec.latents([draft_pattern("shirt"), garment])
-    step = codec.step(b + (a - a))
+    step = codec.decode(b + (a - a))
     assert not step.faults and panel_overlap(garment, step.pattern) > 0.97
-    assert np.array_equal(codec.settled(a, 3), a)
+    assert np.array_equal(codec.reproject(a, 3), a)

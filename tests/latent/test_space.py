@@ -37,7 +37,7 @@ def test_new_garments_come_back_from_their_latent_vectors(space, kind):
     for each in sample(kind, 8, seed=991, fixed={"sleeves": "none"}):
         if any(panel.holes for panel in each.pattern.panels):
             continue
-        step = space.step(space.encode(each.pattern))
+        step = space.decode(space.encode(each.pattern))
         assert not step.faults and step.pattern is not None
         assert word(step.pattern) == word(each.pattern)
         assert min(pair.iou for pair in match_panels(each.pattern, step.pattern).pairs) > 0.8
@@ -58,23 +58,23 @@ def test_the_way_between_two_garments_begins_and_ends_with_them(space):
 
 def test_an_edit_of_nothing_changes_nothing(space):
     a, b = draft_pattern("top-skirt"), draft_pattern("one-panel-dress")
-    plain = {"settle": 0, "strengths": [1.0]}
-    assert np.allclose(transfer(space, a, a, b, **plain).step.z, space.encode(b), atol=1e-5)
-    assert np.allclose(transfer(space, a, b, a, **plain).step.z, space.encode(b), atol=1e-5)
+    plain = {"reprojections": 0, "strengths": [1.0]}
+    assert np.allclose(transfer(space, a, a, b, **plain).garment.z, space.encode(b), atol=1e-5)
+    assert np.allclose(transfer(space, a, b, a, **plain).garment.z, space.encode(b), atol=1e-5)
     same = transfer(space, a, a, b)
-    assert word(same.step.pattern) == word(b) and same.strength == 1
+    assert word(same.garment.pattern) == word(b) and same.strength == 1
     with pytest.raises(LearnError, match=r"strengths \[0\]; give some above 0"):
         transfer(space, a, a, b, strengths=[0])
-    with pytest.raises(LearnError, match="settled 21 times; give 0 to 20"):
-        transfer(space, a, a, b, settle=21)
+    with pytest.raises(LearnError, match="21 reprojections; give 0 to 20"):
+        transfer(space, a, a, b, reprojections=21)
 
 
 def test_settling_brings_a_point_nearer_to_where_it_stays(space):
     z = space.encode(draft_pattern("top-skirt")) + np.float32(0.3)
-    ways = [z, *(space.settled(z, times) for times in (1, 2, 3))]
+    ways = [z, *(space.reproject(z, times) for times in (1, 2, 3))]
     apart = [float(np.linalg.norm(b - a)) for a, b in pairwise(ways)]
     assert apart[1] < apart[0] and apart[2] < apart[0]
-    assert np.array_equal(space.settled(ways[1], 2), ways[3])
+    assert np.array_equal(space.reproject(ways[1], 2), ways[3])
 
 
 def test_generated_garments_depend_on_seed_and_number_alone(space):
@@ -97,9 +97,11 @@ def test_a_training_garment_is_nearest_to_itself(space):
 
 
 def test_garments_unlike_those_trained_on_are_told(space):
-    assert not space.unlike(space.given(draft_pattern("one-panel-dress")))
-    assert "other seams" in space.unlike(space.given(load_pattern(example_path("dress"))))
-    assert space.unlike(space.given(draft_pattern("hoodie")))
+    assert not space.out_of_distribution(space.locate(draft_pattern("one-panel-dress")))
+    assert "other seams" in space.out_of_distribution(
+        space.locate(load_pattern(example_path("dress")))
+    )
+    assert space.out_of_distribution(space.locate(draft_pattern("hoodie")))
 
 
 def test_images_that_the_network_does_not_take_are_refused(space):
@@ -121,7 +123,7 @@ def test_what_is_no_garment_or_no_latent_vector_is_told(space):
         interpolate("vae-variety", garment, garment)
     for wrong in (np.zeros(31, np.float32), np.zeros((2, 32), np.float32), np.full(32, np.nan)):
         with pytest.raises(LearnError, match="a latent vector of shape"):
-            space.step(wrong)
+            space.decode(wrong)
     assert transfer(space, garment, garment, garment, strengths=np.array([1.0])).strength == 1
 
 
@@ -148,12 +150,12 @@ def test_damaged_spaces_are_told_by_file(space, tmp_path, name, damage, sentence
     (folder / name).write_bytes(damage)
     with pytest.raises(LearnError, match=f"{name}: {sentence}"):
         broken = LatentSpace(folder)
-        broken.step(broken.encode(draft_pattern("tank")))
+        broken.decode(broken.encode(draft_pattern("tank")))
         assert broken.garments
     (folder / name).unlink()
     with pytest.raises(LearnError):
         broken = LatentSpace(folder)
-        broken.step(broken.encode(draft_pattern("tank")))
+        broken.decode(broken.encode(draft_pattern("tank")))
         assert broken.garments
 
 
@@ -218,8 +220,8 @@ def test_rows_are_named_by_ids():
 def test_what_comes_of_an_even_garment_is_even_where_the_space_is_fit_for_it(noise):
     space = LatentSpace.load("text-edit")
     dress = space.image(draft_pattern("one-panel-dress"))
-    fit = space.fit_for(dress)
-    channels = fit.step(space.encode(dress) + noise).image.to_channels()[None]
+    fit = space.symmetrised_for(dress)
+    channels = fit.decode(space.encode(dress) + noise).image.to_channels()[None]
     inside, mirrored = channels[:, [0, 17]], mirrored_channels(channels)[:, [0, 17]]
     assert np.array_equal(inside, mirrored)
 
@@ -228,4 +230,4 @@ def test_a_space_fit_for_an_uneven_garment_is_the_same():
     space = LatentSpace.load("text-edit")
     dress = space.image(draft_pattern("one-panel-dress", hem_slant=8.0))
     z = space.encode(dress)[None]
-    assert np.array_equal(space.fit_for(dress).decode_channels(z), space.decode_channels(z))
+    assert np.array_equal(space.symmetrised_for(dress).decode_channels(z), space.decode_channels(z))

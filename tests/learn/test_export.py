@@ -11,7 +11,7 @@ import garmentimage
 from garmentimage.errors import LearnError
 from garmentimage.latent.space import LatentSpace
 from garmentimage.learn.data.rasters import read_rasters
-from garmentimage.learn.export import export
+from garmentimage.learn.export import export_vae
 from garmentimage.learn.models.garment_vae import (
     GarmentVAE,
     GarmentVAEConfig,
@@ -28,7 +28,9 @@ def made(data, tmp_path_factory):
     torch.manual_seed(3)
     model = GarmentVAE(GarmentVAEConfig(channels=(16, 32, 32), latent=6)).eval()
     model = model.to(memory_format=torch.channels_last)  # as it is trained
-    export(model, read_rasters(data, "train"), {"recipe": "vae-topology", "seed": 0}, "#", folder)
+    export_vae(
+        model, read_rasters(data, "train"), {"recipe": "vae-topology", "seed": 0}, "#", folder
+    )
     return model, folder
 
 
@@ -85,7 +87,7 @@ def test_what_is_no_network_is_told(made, tmp_path):
     save_file(
         {name: part * torch.nan for name, part in parts.items()}, tmp_path / "model.safetensors"
     )
-    with pytest.raises(LearnError, match="has weights that are no numbers"):
+    with pytest.raises(LearnError, match="has NaN or infinite weights"):
         load_weights(GarmentVAE, tmp_path)
     (tmp_path / "model.safetensors").write_bytes(b"\x00" * 100)
     with pytest.raises(LearnError, match="holds no GarmentVAE that can be read"):

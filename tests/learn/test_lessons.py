@@ -8,9 +8,9 @@ import torch
 
 from garmentimage.cli.app import main
 from garmentimage.cli.train import BASELINES, DEPARTURES
-from garmentimage.learn.models.cascade import PAPER, Cascade, CascadeConfig
+from garmentimage.learn.models.cascade import PAPER_CONFIG, Cascade, CascadeConfig
 from garmentimage.learn.models.slot_networks import SLOT_NETWORKS
-from garmentimage.learn.tasks import Wanted, lesson
+from garmentimage.learn.tasks import TaskOptions, task_for
 from garmentimage.learn.weights import load_weights
 
 
@@ -31,27 +31,28 @@ def test_a_baseline_is_trained_and_read_again(name, pictured, tmp_path, capsys):
     found = model.predict(torch.rand(2, 3, 128, 128))
     assert found.edges.shape == (2, len(model.config.names), model.config.edges, 6)
     card = (run / "model" / "README.md").read_text()
-    assert "--without 'top + pants'" in card and "small encoder" in card
+    assert "--without 'top + pants'" in card and "small image encoder" in card
     assert train(*words) == 0  # nothing is left to do
 
 
 @pytest.mark.slow
 def test_a_cascade_as_in_the_paper_leaves_out_what_is_ours(pictured, tmp_path):
     told = {
-        part: lesson("cascade", Wanted(pictured, as_paper=(part,))).config for part in DEPARTURES
+        part: task_for("cascade", TaskOptions(data=pictured, ablate=(part,))).config
+        for part in DEPARTURES
     }
     ours = CascadeConfig()
-    assert told["losses"].squares and told["losses"].noise == ours.noise
-    assert told["noise"].noise == 0 and not told["noise"].squares
-    assert told["weights"].boundary_weight == 1 and told["weights"].noise == ours.noise
+    assert told["losses"].squared_losses and told["losses"].label_noise == ours.label_noise
+    assert told["noise"].label_noise == 0 and not told["noise"].squared_losses
+    assert told["weights"].boundary_weight == 1 and told["weights"].label_noise == ours.label_noise
     assert not told["mirror"].mirror and told["mirror"].dropout == ours.dropout
     assert told["dropout"].dropout == 0 and told["dropout"].mirror
-    assert told["recombine"].recombine == 0 and told["recombine"].recolour
-    assert not told["recolour"].recolour and told["recolour"].recombine
+    assert told["recombine"].waist_mix == 0 and told["recombine"].recolour
+    assert not told["recolour"].recolour and told["recolour"].waist_mix
     words = ["cascade", "--data", pictured, "--epochs", 1, "--as-paper", "all"]
     assert train(*words, "-o", tmp_path) == 0
     trained = load_weights(Cascade, tmp_path / "model").config
-    assert replace(trained, grid=PAPER.grid) == PAPER
+    assert replace(trained, grid=PAPER_CONFIG.grid) == PAPER_CONFIG
 
 
 @pytest.mark.slow
@@ -67,7 +68,7 @@ def test_a_resnet_from_disk_looks_at_the_pictures(pictured, tmp_path):
     words = ["panel-pool", "--data", pictured, "--epochs", 1, "--resnet", tmp_path / "resnet"]
     assert train(*words, "--rate", 1e-9, "-o", run) == 0
     model = load_weights(SLOT_NETWORKS["panel-pool"].network, run / "model")
-    kept, given = model.see.net.state_dict(), small.state_dict()
+    kept, given = model.image_encoder.resnet.state_dict(), small.state_dict()
     assert all(torch.allclose(kept[n], given[n], atol=1e-4) for n in given if "conv" in n)
     assert "ResNet that was given" in (run / "model" / "README.md").read_text()
 

@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 import torch
 
-from garmentimage.learn.data.images import Pictured, read_album, waist_rows
-from garmentimage.learn.data.waist_mix import recombined, repainted
-from garmentimage.learn.models.cascade import sure_maps
+from garmentimage.learn.data.images import ImagedGarments, load_split, waist_rows
+from garmentimage.learn.data.waist_mix import mix_at_waist, recolour_cloth
+from garmentimage.learn.models.cascade import ground_truth_logits
 from garmentimage.learn.models.garment_vae import to_channels
-from garmentimage.networks.decoded import step_of
+from garmentimage.networks.decoded import decoded_garment
 
 
 @pytest.fixture(scope="module")
 def joined(pictured):
     """All training garments, and the same with halves of others where some fit."""
     torch.manual_seed(0)
-    batch = read_album(pictured, "train").garments
-    return batch, *recombined(batch, 1.0)
+    batch = load_split(pictured, "train").garments
+    return batch, *mix_at_waist(batch, 1.0)
 
 
 @pytest.mark.slow
@@ -36,7 +36,7 @@ def test_a_new_garment_has_one_half_of_its_own_and_one_of_another(joined):
 def test_others_stay_as_they_are(joined):
     batch, found, new = joined
     torch.manual_seed(0)
-    none, chosen = recombined(batch, 0.0)
+    none, chosen = mix_at_waist(batch, 0.0)
     assert not chosen.any()
     for name in ("pictures", "cloth", "waist", "inside", "types", "vectors"):
         assert torch.equal(getattr(none, name), getattr(batch, name))
@@ -46,8 +46,10 @@ def test_others_stay_as_they_are(joined):
 @pytest.mark.slow
 def test_new_garments_are_sewn_at_the_waist_and_decode_as_they_are(joined):
     _, found, new = joined
-    channels = to_channels(sure_maps(found.rasters)).numpy()
-    steps = [step_of(np.zeros(0), channels[k], "full") for k in torch.where(new)[0][:24].tolist()]
+    channels = to_channels(ground_truth_logits(found.rasters)).numpy()
+    steps = [
+        decoded_garment(np.zeros(0), channels[k], "full") for k in torch.where(new)[0][:24].tolist()
+    ]
     for step in steps:
         names = {panel.name for panel in step.pattern.panels}
         assert "bodice_front" in names and len(names) >= 4, names
@@ -58,7 +60,7 @@ def test_a_garment_without_a_seam_at_the_waist_gives_nothing():
     inside = torch.zeros(4, 2, 16, 16, dtype=torch.int8)
     inside[:, :, 4:12, 6:10] = 1
     types = torch.zeros(4, 4, 16, 16, dtype=torch.int8)
-    batch = Pictured(
+    batch = ImagedGarments(
         torch.zeros(4, 3, 128, 128, dtype=torch.uint8),
         torch.zeros(4, 128, 128, dtype=torch.bool),
         torch.full((4, 128), 78, dtype=torch.int16),
@@ -66,9 +68,9 @@ def test_a_garment_without_a_seam_at_the_waist_gives_nothing():
         types,
         torch.zeros(4, 16, 16, 16, dtype=torch.float16),
     )
-    assert not recombined(batch, 1.0)[1].any()
+    assert not mix_at_waist(batch, 1.0)[1].any()
     types[0, ::2, 8, 6:10] = 3
-    found, new = recombined(batch, 1.0)
+    found, new = mix_at_waist(batch, 1.0)
     assert new.tolist() == [False, True, True, True]
     assert torch.equal(found.types[1:], types[:1].expand(3, -1, -1, -1))
 
@@ -94,8 +96,8 @@ def test_repainted_cloth_keeps_its_folds():
     empty = torch.zeros(20, 2, 16, 16)
     cloth = torch.ones(20, 16, 16, dtype=torch.bool)
     waist = torch.full((20, 16), 9, dtype=torch.int16)
-    batch = Pictured(grey, cloth, waist, empty, empty, empty)
-    found = repainted(batch, torch.zeros(20, dtype=torch.bool), 1.0)
+    batch = ImagedGarments(grey, cloth, waist, empty, empty, empty)
+    found = recolour_cloth(batch, torch.zeros(20, dtype=torch.bool), 1.0)
     assert found.min() >= 0 and found.max() <= 1
     order = grey.flatten(2).argsort(2)
     assert (found.flatten(2).gather(2, order).diff(dim=2) >= 0).all()  # lighter stays lighter
@@ -111,12 +113,12 @@ def test_new_garments_have_cloth_of_two_colours_and_others_of_one():
     empty = torch.zeros(40, 2, 16, 16)
     line = 77
     waist = torch.full((40, 128), line, dtype=torch.int16)
-    batch = Pictured(grey, cloth, waist, empty, empty, empty)
+    batch = ImagedGarments(grey, cloth, waist, empty, empty, empty)
     new = torch.arange(40) < 20
-    found = repainted(batch, new, 1.0)
-    assert torch.equal(found[:, :, :20], batch.seen()[:, :, :20])  # skin and page stay
+    found = recolour_cloth(batch, new, 1.0)
+    assert torch.equal(found[:, :, :20], batch.images()[:, :, :20])  # skin and page stay
     below, above = found[:, :, line - 1, 60], found[:, :, line, 60]
     assert (below != above).any(1)[new].all() and torch.equal(below[~new], above[~new])
     assert len(torch.unique(above, dim=0)) == 40
-    same = torch.isclose(repainted(batch, new, 0.5), batch.seen()).flatten(1).all(1)
+    same = torch.isclose(recolour_cloth(batch, new, 0.5), batch.images()).flatten(1).all(1)
     assert not same[new].any() and 2 <= same[~new].sum() <= 18

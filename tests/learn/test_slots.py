@@ -11,17 +11,14 @@ from garmentimage.compare import validity
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import DecodeError
 from garmentimage.evaluate.garment import panel_overlap, same_graph
+from garmentimage.learn.data.slot_outputs import SlotOutputs, pattern_from
 from garmentimage.learn.data.slot_vectors import (
-    ASKED,
-    PicturedSlots,
+    ImagedSlots,
     SlotConfig,
-    SlotOutputs,
-    asked,
-    pattern_from,
-    slot_losses,
     slot_vectors,
-    slot_words,
+    slot_vocabulary,
 )
+from garmentimage.learn.models.slot_heads import SLOTS_PER_STEP, sample_slots, slot_losses
 from garmentimage.learn.models.slot_networks import SLOT_NETWORKS
 
 GARMENTS = [
@@ -29,7 +26,7 @@ GARMENTS = [
     for kind in ("one-panel-dress", "top-pants")
     for sleeves in ("none", "set-in")
 ]
-WORDS = slot_words(GARMENTS)
+WORDS = slot_vocabulary(GARMENTS)
 
 
 def said(truth) -> SlotOutputs:
@@ -54,7 +51,7 @@ def test_what_is_said_without_error_is_the_garment():
 def test_slots_keep_the_outline_of_a_panel_with_a_hole():
     whole, holed = (draft_pattern("one-panel-dress", cutout=place) for place in ("none", "front"))
     assert holed.by_name["front"].holes
-    words = slot_words([whole])
+    words = slot_vocabulary([whole])
     one, other = slot_vectors([whole], words), slot_vectors([holed], words)
     for name, value in vars(one).items():
         assert torch.equal(value, getattr(other, name)), name
@@ -82,16 +79,16 @@ def test_slots_asked_for_weigh_like_all_of_them_in_the_mean():
     torch.manual_seed(0)
     panels = torch.zeros(64, 40, dtype=torch.bool)
     panels[:, ::8] = True
-    draws = torch.stack([asked(panels) for _ in range(100)])
+    draws = torch.stack([sample_slots(panels) for _ in range(100)])
     assert (draws[:, panels] == 1).all()
-    assert abs((draws > 0).float().sum(2).mean() - ASKED) < 0.1
+    assert abs((draws > 0).float().sum(2).mean() - SLOTS_PER_STEP) < 0.1
     assert abs((draws**2).mean() - 1) < 0.02
 
 
 def test_all_slots_are_asked_for_where_there_are_few():
-    panels = torch.zeros(4, ASKED, dtype=torch.bool)
+    panels = torch.zeros(4, SLOTS_PER_STEP, dtype=torch.bool)
     panels[:, 0] = True
-    assert (asked(panels) == 1).all()
+    assert (sample_slots(panels) == 1).all()
 
 
 @pytest.mark.parametrize("name", ["panel-transformer", "panel-recurrent"])
@@ -99,7 +96,7 @@ def test_edges_of_slots_that_are_asked_for_are_those_of_the_whole_pattern(name):
     torch.manual_seed(0)
     kind = SLOT_NETWORKS[name]
     network = kind.network(SlotConfig(name, WORDS.names, WORDS.edges, 32, 1)).eval()
-    for weights in network.to_edge.parameters():
+    for weights in network.edge_head.parameters():
         torch.nn.init.normal_(weights)
     seen = torch.rand(2, 3, 128, 128)
     which = torch.rand(2, len(WORDS.names)) < 0.5
@@ -116,8 +113,8 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
     layers = min(kind.layers, 2)
     made = kind.network(SlotConfig(name, WORDS.names, WORDS.edges, 96, layers))
     pictures = torch.randint(0, 256, (len(GARMENTS), 3, 128, 128), dtype=torch.uint8)
-    batch = PicturedSlots(pictures, slot_vectors(GARMENTS, WORDS))
-    made.usual.set_to_mean(batch.patterns)
+    batch = ImagedSlots(pictures, slot_vectors(GARMENTS, WORDS))
+    made.output_prior.set_to_mean(batch.patterns)
     optimizer = torch.optim.AdamW(made.parameters(), 1e-3)
     first = made(batch)["loss"].item()
     for _ in range(200):
@@ -134,7 +131,7 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
 def test_a_baseline_starts_from_the_mean_garment(name):
     made = SLOT_NETWORKS[name].network(SlotConfig(name, WORDS.names, WORDS.edges, 32, 1))
     truth = slot_vectors(GARMENTS, WORDS)
-    made.usual.set_to_mean(truth)
+    made.output_prior.set_to_mean(truth)
     with torch.no_grad():
         found = made.predict(torch.rand(2, 3, 128, 128))
     seen = found.edges[1].any(2).any(1)  # a pool leaves out what it does not see
@@ -149,8 +146,8 @@ def test_a_pool_leaves_out_the_panels_that_it_does_not_see():
         SlotConfig("panel-pool", WORDS.names, WORDS.edges, 32, 1)
     )
     with torch.no_grad():
-        pool.usual.edges.fill_(1)
-        pool.to_there.weight.zero_()
-        pool.to_there.bias[:] = torch.arange(len(WORDS.names)) - 1.5
+        pool.output_prior.edges.fill_(1)
+        pool.presence_head.weight.zero_()
+        pool.presence_head.bias[:] = torch.arange(len(WORDS.names)) - 1.5
         found = pool.predict(torch.rand(3, 3, 128, 128))
     assert not found.edges[:, :2].any() and found.edges[:, 2:].any((2, 3)).all()

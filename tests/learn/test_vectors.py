@@ -7,11 +7,11 @@ from garmentimage.compare import match_panels, validity
 from garmentimage.draft.sampling import sample
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.learn.data.pattern_vectors import (
+    build_vocabulary,
     read_patterns,
     read_vocabulary,
-    topology_of,
-    vectors,
-    vocabulary,
+    to_vectors,
+    vertex_counts,
     vocabulary_from_json,
 )
 
@@ -27,11 +27,11 @@ def garments(count, first=0):
 
 
 KNOWN = garments(40)
-WORDS = vocabulary(KNOWN)
+WORDS = build_vocabulary(KNOWN)
 
 
 def test_garments_of_a_known_topology_come_back():
-    new = [p for p in garments(15, first=1000) if topology_of(p) in WORDS.topologies]
+    new = [p for p in garments(15, first=1000) if vertex_counts(p) in WORDS.topologies]
     assert len(new) > 20
     alike = []
     for pattern in new:
@@ -45,8 +45,8 @@ def test_garments_of_a_known_topology_come_back():
 
 
 def test_panels_that_no_topology_has_take_the_nearest_one():
-    found = dict(topology_of(KNOWN[0])) | {"waistband_front": 4}
-    assert WORDS.nearest(found) == topology_of(KNOWN[0])
+    found = dict(vertex_counts(KNOWN[0])) | {"waistband_front": 4}
+    assert WORDS.nearest(found) == vertex_counts(KNOWN[0])
 
 
 def test_a_garment_without_panels_is_refused():
@@ -56,22 +56,22 @@ def test_a_garment_without_panels_is_refused():
 
 
 def test_panels_of_no_known_kind_are_refused():
-    with pytest.raises(LearnError, match="cannot be told in vectors"):
+    with pytest.raises(LearnError, match="cannot be encoded as vectors"):
         WORDS.vectors(next(sample("hoodie", 1, 0)).pattern)
 
 
 def test_vectors_of_a_split_go_into_batches(data):
     patterns = read_patterns(data, "train")
-    found = vectors(patterns, vocabulary(patterns))
+    found = to_vectors(patterns, build_vocabulary(patterns))
     assert len(found) == 54
-    assert found.numbers.shape[:3] == found.there.shape
+    assert found.numbers.shape[:3] == found.is_present.shape
 
 
 def test_a_vocabulary_comes_back_from_its_text(data, tmp_path):
-    words = vocabulary(read_patterns(data, "train"))
+    words = build_vocabulary(read_patterns(data, "train"))
     assert vocabulary_from_json(words.to_json()) == words
-    with pytest.raises(LearnError, match=r"words\.json: is not there, or damaged"):
+    with pytest.raises(LearnError, match=r"words\.json: is missing or damaged"):
         read_vocabulary(tmp_path)
     (tmp_path / "words.json").write_text('{"panels": 3}')
-    with pytest.raises(LearnError, match=r"words\.json: is not there, or damaged"):
+    with pytest.raises(LearnError, match=r"words\.json: is missing or damaged"):
         read_vocabulary(tmp_path)

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from garmentimage.errors import LearnError
-from garmentimage.predict.photo import Box, Photo, as_photo, find_wearer, framed, read_photo
+from garmentimage.predict.photo import Box, Photo, as_photo, find_wearer, frame_photo, read_photo
 
 BOX = Box(0.1, 0.9, 0.3, 0.7)
 
@@ -86,7 +86,7 @@ def test_what_is_no_picture_is_told_in_a_sentence(tmp_path):
 
 
 def test_a_wearer_in_place_stays_there():
-    there = framed(Photo(figure(), ()), BOX, 100)
+    there = frame_photo(Photo(figure(), ()), BOX, 100)
     mask, note = find_wearer(there.pixels)
     assert mask[10:90, 30:70].all() and mask.sum() == 80 * 40 and not note
 
@@ -97,7 +97,7 @@ def test_a_wearer_elsewhere_is_brought_into_place_on_white(colour, dx, dy, grown
     pixels = np.full((240 * grown, 300 * grown, 3), colour, np.uint8)
     top, left = (40 + dy) * grown, (100 + dx) * grown
     pixels[top : top + 160 * grown, left : left + 80 * grown] = (150, 40, 30)
-    photo = framed(Photo(pixels, ()), BOX, 100)
+    photo = frame_photo(Photo(pixels, ()), BOX, 100)
     mask, _ = find_wearer(photo.pixels)
     at = np.argwhere(mask)
     assert np.abs(at.min(0) - (10, 30)).max() <= 1 and np.abs(at.max(0) - (89, 69)).max() <= 1
@@ -106,7 +106,7 @@ def test_a_wearer_elsewhere_is_brought_into_place_on_white(colour, dx, dy, grown
 
 def test_a_restless_background_is_told():
     noise = np.random.default_rng(0).integers(0, 256, (100, 150, 3)).astype(np.uint8)
-    photo = framed(Photo(noise, ()), BOX, 64)
+    photo = frame_photo(Photo(noise, ()), BOX, 64)
     assert photo.pixels.shape == (64, 64, 3) and "no plain background" in photo.notes[0]
 
 
@@ -125,7 +125,7 @@ def test_a_thin_frame_round_a_photograph_is_cut_off(blur):
     if blur:
         for at in (3, -4):
             pixels[at, 3:-3], pixels[3:-3, at] = 130, 130
-    mask, note = find_wearer(framed(Photo(pixels, ()), BOX, 100).pixels)
+    mask, note = find_wearer(frame_photo(Photo(pixels, ()), BOX, 100).pixels)
     at = np.argwhere(mask)
     assert np.abs(at.min(0) - (10, 30)).max() <= 2 and np.abs(at.max(0) - (89, 69)).max() <= 2
     assert not note

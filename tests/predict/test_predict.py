@@ -12,11 +12,11 @@ from PIL import Image
 from garmentimage import load_pattern
 from garmentimage.cli.app import main
 from garmentimage.errors import LearnError
-from garmentimage.learn.data.images import Album, read_album
+from garmentimage.learn.data.images import ImageSplit, load_split
 from garmentimage.learn.export import export_cascade
-from garmentimage.learn.models.cascade import PAPER, Cascade
+from garmentimage.learn.models.cascade import PAPER_CONFIG, Cascade
 from garmentimage.predict.photo import Photo, read_photo
-from garmentimage.predict.predictor import PatternPredictor, certainty, doubts_of
+from garmentimage.predict.predictor import PatternPredictor, certainty, uncertainty_of
 
 pytestmark = pytest.mark.slow
 
@@ -25,20 +25,21 @@ pytestmark = pytest.mark.slow
 def made(pictured, tmp_path_factory):
     """A cascade that knows a few garments by heart, in a folder, and what it learnt from."""
     folder = tmp_path_factory.mktemp("cascade")
-    album = first_of(read_album(pictured, "train"), 12)
+    album = first_of(load_split(pictured, "train"), 12)
     torch.manual_seed(0)
-    model = Cascade(replace(PAPER, channels=(32, 32, 32), squares=False))
+    model = Cascade(replace(PAPER_CONFIG, channels=(32, 32, 32), squared_losses=False))
     optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
     for _ in range(120):
         optimizer.zero_grad()
         model(album.garments)["loss"].backward()
         optimizer.step()
-    export_cascade(model, album, album, {"recipe": "d2", "seed": 0}, "#", folder / "model")
+    facts = {"recipe": "d2", "seed": 0}
+    export_cascade(model, album, album, facts=facts, card="#", folder=folder / "model")
     return folder / "model", album
 
 
-def first_of(album: Album, count: int) -> Album:
-    return Album(
+def first_of(album: ImageSplit, count: int) -> ImageSplit:
+    return ImageSplit(
         album.garments.batch(torch.arange(count)),
         album.ids[:count],
         album.types[:count],
@@ -73,14 +74,14 @@ def test_a_picture_that_it_knows_becomes_its_garment(made, tmp_path):
     pixels = picture(album, 0)
     found = network.predict(Photo(pixels, ()))
     truth = album.garments.inside[0].bool().numpy()
-    assert (found.step.image.inside == truth).mean() > 0.97
+    assert (found.garment.image.inside == truth).mean() > 0.97
     assert found.confidence > 0.5
     # The same from a file, twice as large and on a wider sheet.
     wide = np.full((256, 400, 3), 255, np.uint8)
     wide[:, 72:328] = pixels.repeat(2, 0).repeat(2, 1)
     Image.fromarray(wide).save(tmp_path / "wide.png")
     again = network.predict(read_photo(tmp_path / "wide.png"))
-    assert (again.step.image.inside == truth).mean() > 0.95
+    assert (again.garment.image.inside == truth).mean() > 0.95
 
 
 def test_pictures_of_something_else_have_a_low_confidence(made):
@@ -205,10 +206,10 @@ def test_doubts_are_where_a_network_is_unsure():
     channels = np.zeros((34, 16, 16), np.float32)
     channels[[1, 5, 18, 22]] = 1
     channels[[0, 17], 4:8, 4:8] = 1
-    assert not doubts_of(channels).any()
+    assert not uncertainty_of(channels).any()
     channels[0, 4, 4] = 0.5
     channels[1:5, 6, 6] = 0.25
-    told = doubts_of(channels)
+    told = uncertainty_of(channels)
     assert told.shape == (2, 16, 16) and not told[1].any()
     assert told[0, 4, 4] == 1 and 0.3 < told[0, 6, 6] < 0.5
     assert np.count_nonzero(told) == 2

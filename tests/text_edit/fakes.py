@@ -4,13 +4,13 @@ import numpy as np
 import torch
 
 from garmentimage.learn.models.image_decoder import ImageDecoder, ImageDecoderConfig
-from garmentimage.networks import Step
+from garmentimage.networks import DecodedGarment
 from garmentimage.pattern.model import Pattern
 
 
-def decoded(pattern: Pattern | None, faults: tuple[str, ...] = ()) -> Step:
+def decoded(pattern: Pattern | None, faults: tuple[str, ...] = ()) -> DecodedGarment:
     """The result of an edit, without a latent vector or image."""
-    return Step(np.zeros(1, np.float32), None, None, pattern, faults)
+    return DecodedGarment(np.zeros(1, np.float32), None, None, pattern, faults)
 
 
 class PixelDecoder(ImageDecoder):

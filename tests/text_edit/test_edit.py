@@ -13,7 +13,7 @@ import garmentimage as gi
 from garmentimage.cli.app import main
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import LearnError
-from garmentimage.latent.space import EVEN_CM
+from garmentimage.latent.space import SYMMETRY_TOLERANCE_CM
 from garmentimage.raster.image import mirrored_channels
 from garmentimage.text_edit.editor import TextEditor, denoiser_guidance, normalised_text
 from garmentimage.text_edit.guidance import ScoreDistillation
@@ -74,7 +74,7 @@ def test_a_dress_that_is_asked_to_be_long_keeps_a_level_hem():
     assert found.achieved
     for step in (found.result, *(frame.step for frame in found.frames)):
         channels = step.image.to_channels()[None]
-        assert np.abs(channels - mirrored_channels(channels)).max() < EVEN_CM
+        assert np.abs(channels - mirrored_channels(channels)).max() < SYMMETRY_TOLERANCE_CM
 
 
 def test_stable_diffusion_drives_the_same_command(trained, dress, tiny, tmp_path, capsys):

@@ -135,7 +135,7 @@ def test_the_pixel_model_predicts_other_noise_for_a_prompt_than_without(tmp_path
     torch.manual_seed(0)
     config = DenoiserConfig(picture=16, channels=(16, 16))
     made = Denoiser(config)
-    for block in (*made.down, *made.up):
+    for block in (*made.levels.down, *made.levels.up):
         torch.nn.init.normal_(block.conv2.weight, std=0.1)
     made.save_pretrained(tmp_path / "model")
     model = PixelDiffusion(tmp_path / "model")

@@ -420,10 +420,10 @@ def _editors(options: argparse.Namespace) -> list["EditMethod"]:
 
 def _named(editing: "EditMethod") -> dict[str, Any]:
     """An editor for a result: networks that come with the package by name, not by place."""
-    from garmentimage.networks import SHIPPED
+    from garmentimage.networks import WEIGHTS_FOLDER
 
     return {
-        name: Path(value).name if value and Path(str(value)).parent == SHIPPED else value
+        name: Path(value).name if value and Path(str(value)).parent == WEIGHTS_FOLDER else value
         for name, value in vars(editing).items()
     }
 

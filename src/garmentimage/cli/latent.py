@@ -25,7 +25,7 @@ from garmentimage.system import shown_path, write_together
 
 if TYPE_CHECKING:
     from garmentimage.latent import LatentSpace
-    from garmentimage.networks import Shown, Step
+    from garmentimage.networks import DecodedGarment, StripFrame
     from garmentimage.pattern import Pattern
     from garmentimage.raster import GarmentImage
 
@@ -39,7 +39,7 @@ class Column:
     name: str
     """Of its files; empty where it has none."""
     title: str
-    step: "Step"
+    step: "DecodedGarment"
 
 
 def interpolate_arguments(parser: argparse.ArgumentParser) -> None:
@@ -91,9 +91,9 @@ def run_transfer(options: argparse.Namespace) -> Exit:
     a, b, c = (read_given(space, path, options.order) for path in paths)
     strengths = STRENGTHS if options.strength is None else (options.strength,)
     images = (_image(each) for each in (a, b, c))
-    edited = transfer(space, *images, settle=options.settle, strengths=strengths)
+    edited = transfer(space, *images, reprojections=options.settle, strengths=strengths)
     given = [Column("", f"{name}, as given", each) for name, each in zip("ABC", (a, b, c))]
-    return _write(options, [*given, Column("edited", edited.title, edited.step)], 4)
+    return _write(options, [*given, Column("edited", edited.title, edited.garment)], 4)
 
 
 def generate_arguments(parser: argparse.ArgumentParser) -> None:
@@ -210,7 +210,7 @@ def make_folder(out: Path) -> None:
         ) from None
 
 
-def read_given(space: "LatentSpace", path: Path, order: str | None = None) -> "Step":
+def read_given(space: "LatentSpace", path: Path, order: str | None = None) -> "DecodedGarment":
     """A garment of the user's, and a warning where the network has not seen the like."""
     source: Pattern | GarmentImage
     if path.suffix.lower() in IMAGE_SUFFIXES:
@@ -223,8 +223,8 @@ def read_given(space: "LatentSpace", path: Path, order: str | None = None) -> "S
         source, found = read_pattern(path)
         warn(path, found)
     with errors_about(path):
-        given = space.given(source)
-    unlike = space.unlike(given)
+        given = space.locate(source)
+    unlike = space.out_of_distribution(given)
     if unlike:
         say(
             f"warning: {shown_path(path)}: is unlike the garments that {space.folder.name} was "
@@ -233,7 +233,7 @@ def read_given(space: "LatentSpace", path: Path, order: str | None = None) -> "S
     return given
 
 
-def _image(given: "Step") -> "GarmentImage":
+def _image(given: "DecodedGarment") -> "GarmentImage":
     assert given.image is not None  # `LatentSpace.given` has one
     return given.image
 
@@ -246,7 +246,7 @@ def _write(
     Columns without a name are in the strip only, as they are the user's own.
     """
     from garmentimage.drape.files import drape_bytes
-    from garmentimage.networks import film as animation, strip
+    from garmentimage.networks import animation as animation, strip
     from garmentimage.pattern.files import pattern_text
     from garmentimage.raster import image_bytes
     from garmentimage.render import png_bytes
@@ -256,10 +256,10 @@ def _write(
     results: dict[str | PathLike[str], bytes | str] = {}
     for name, column in made.items():
         path = options.out / name
-        if column.step.image is not None:
-            results[path.with_suffix(".npz")] = image_bytes(column.step.image)
-        if column.step.pattern is not None:
-            results[path.with_suffix(".json")] = pattern_text(column.step.pattern)
+        if column.garment.image is not None:
+            results[path.with_suffix(".npz")] = image_bytes(column.garment.image)
+        if column.garment.pattern is not None:
+            results[path.with_suffix(".json")] = pattern_text(column.garment.pattern)
         if column.worn is not None:
             results[path.with_suffix(".glb")] = drape_bytes(column.worn, ".glb")
     results[options.out / "strip.png"] = png_bytes(strip([each for _, each in drawn]))
@@ -271,13 +271,13 @@ def _write(
     return Exit.OK
 
 
-def _shown(columns: Iterable[Column], count: int) -> "Iterator[tuple[str, Shown]]":
+def _shown(columns: Iterable[Column], count: int) -> "Iterator[tuple[str, StripFrame]]":
     from tqdm import tqdm
 
-    from garmentimage.networks import shown
+    from garmentimage.networks import draped_frame
 
     for each in tqdm(columns, total=count, unit="garment", disable=None, file=sys.stderr):
-        yield each.name, shown(each.title, each.step)
+        yield each.name, draped_frame(each.title, each.step)
 
 
 def _remove_older(
@@ -296,13 +296,13 @@ def _put(options: argparse.Namespace, results: Mapping[str | PathLike[str], byte
     write_together(results)
 
 
-def _tell(options: argparse.Namespace, made: "Mapping[str, Shown]", *, film: bool) -> None:
+def _tell(options: argparse.Namespace, made: "Mapping[str, StripFrame]", *, film: bool) -> None:
     told: list[dict[str, Any]] = [
         {
             "name": name,
             "title": column.title,
-            "panels": len(column.step.pattern.panels) if column.step.pattern else 0,
-            "repairs": dict(column.step.repairs.counts) if column.step.repairs else {},
+            "panels": len(column.garment.pattern.panels) if column.garment.pattern else 0,
+            "repairs": dict(column.garment.repairs.counts) if column.garment.repairs else {},
             "faults": [one_line(fault) for fault in column.faults],
         }
         for name, column in made.items()

@@ -12,7 +12,7 @@ from garmentimage.errors import LearnError
 from garmentimage.system import check_output, safe_name, shown_path, write_together
 
 if TYPE_CHECKING:
-    from garmentimage.networks import Shown
+    from garmentimage.networks import StripFrame
     from garmentimage.predict import Prediction
 
 SUFFIXES = (".json", ".npz", ".glb", ".png")
@@ -41,13 +41,13 @@ def run_predict(options: argparse.Namespace) -> Exit:
     """The pattern of the garment in each picture; one that will not do does not stop the others."""
     from tqdm import tqdm
 
-    from garmentimage.networks import shown
-    from garmentimage.predict import DEFAULT, PatternPredictor
+    from garmentimage.networks import draped_frame
+    from garmentimage.predict import DEFAULT_NETWORK, PatternPredictor
 
     check_folder(options.out)
     names = _names(options.images)
     _check_results(options.out, names)
-    network = PatternPredictor.load(DEFAULT if options.network is None else options.network)
+    network = PatternPredictor.load(DEFAULT_NETWORK if options.network is None else options.network)
     told: list[dict[str, Any]] = []
     failed: list[dict[str, Any]] = []
     with tqdm(names.items(), unit="picture", disable=None, file=sys.stderr) as bar:
@@ -58,7 +58,7 @@ def run_predict(options: argparse.Namespace) -> Exit:
                 failed.append({"image": str(path), **error_facts(error)})
                 bar.write(f"error: {one_line(error)}", file=sys.stderr)
                 continue
-            worn = shown(path.name, prediction.step)
+            worn = draped_frame(path.name, prediction.garment)
             _put(options.out, name, prediction, worn)
             told.append({"image": str(path)} | _facts(name, prediction, worn))
             if not options.json:
@@ -88,19 +88,19 @@ def _check_results(out: Path, names: Mapping[str, Path]) -> None:
                 check_output(out / (name + suffix), SUFFIXES, names.values())
 
 
-def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
+def _put(out: Path, name: str, prediction: "Prediction", worn: "StripFrame") -> None:
     """Write what is found, and take away what an earlier run found under the same name."""
     from garmentimage.drape.files import drape_bytes
     from garmentimage.pattern.files import pattern_text
-    from garmentimage.predict import sheet
+    from garmentimage.predict import draw_report
     from garmentimage.raster import image_bytes
     from garmentimage.render import png_bytes
 
-    step = prediction.step
+    step = prediction.garment
     assert step.image is not None  # it is made of one
     found: dict[str, bytes | str | None] = {
         ".npz": image_bytes(step.image),
-        ".png": png_bytes(sheet(prediction, worn)),
+        ".png": png_bytes(draw_report(prediction, worn)),
         ".json": None if step.pattern is None else pattern_text(step.pattern),
         ".glb": None if worn.worn is None else drape_bytes(worn.worn, ".glb"),
     }
@@ -111,8 +111,8 @@ def _put(out: Path, name: str, prediction: "Prediction", worn: "Shown") -> None:
             (out / (name + suffix)).unlink(missing_ok=True)
 
 
-def _facts(name: str, prediction: "Prediction", worn: "Shown") -> dict[str, Any]:
-    step = prediction.step
+def _facts(name: str, prediction: "Prediction", worn: "StripFrame") -> dict[str, Any]:
+    step = prediction.garment
     return {
         "name": name,
         "panels": len(step.pattern.panels) if step.pattern else 0,

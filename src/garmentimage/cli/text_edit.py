@@ -20,7 +20,7 @@ from garmentimage.errors import LearnError, quoted
 from garmentimage.system import check_output, shown_path, write_together
 
 if TYPE_CHECKING:
-    from garmentimage.networks import Shown
+    from garmentimage.networks import StripFrame
     from garmentimage.text_edit import ScoreDistillation, TextEdit
 
 KINDS = ("small", "sd")
@@ -192,8 +192,8 @@ def _write(options: argparse.Namespace, found: "TextEdit", text: str) -> Exit:
     return _tell(options, found, after)
 
 
-def _tell(options: argparse.Namespace, found: "TextEdit", after: "Shown") -> Exit:
-    step = after.step
+def _tell(options: argparse.Namespace, found: "TextEdit", after: "StripFrame") -> Exit:
+    step = after.garment
     told: dict[str, Any] = {
         "out": str(options.out),
         "panels": len(step.pattern.panels) if step.pattern else 0,

@@ -86,36 +86,37 @@ def run_train(options: argparse.Namespace) -> Exit:
     settings = _settings(options)
     import torch
 
-    from garmentimage.learn import MODEL, Wanted, lesson, model_card, train
+    from garmentimage.learn import MODEL_FOLDER, TaskOptions, model_card, task_for, train
 
     parts = tuple(DEPARTURES) if EVERYTHING in options.as_paper else tuple(options.as_paper)
-    what = lesson(
+    task = task_for(
         options.network,
-        Wanted(
-            options.data,
-            options.beta,
-            tuple(options.without),
-            parts,
-            options.resnet,
-            options.vae,
+        TaskOptions(
+            data=options.data,
+            beta=options.beta,
+            without=tuple(options.without),
+            ablate=parts,
+            resnet=options.resnet,
+            vae=options.vae,
         ),
     )
     torch.manual_seed(settings.seed)
-    facts = {"network": options.network, "config": asdict(what.config), **what.facts}
+    facts = {"network": options.network, "config": asdict(task.config), **task.facts}
     with _Bar(settings.epochs) as bar:
         trained = train(
-            what.make(),
-            what.known,
-            what.held_out,
-            options.out,
-            settings,
-            {**facts, **_data_facts(options.data)},
-            bar.line,
+            task.build(),
+            task.train_set,
+            task.held_out,
+            folder=options.out,
+            settings=settings,
+            facts={**facts, **_data_facts(options.data)},
+            progress=bar.line,
         )
-    told = _told(options, settings, trained.log, len(what.known))
+    told = _told(options, settings, trained.log, len(task.train_set))
     of_data = {"recipe": told["recipe"], "seed": told["seed of the data"]}
-    text = model_card(f"{what.title}, {told['recipe']}", what.what, what.use, told, trained.log[-1])
-    what.keep(trained.model, of_data, text, options.out / MODEL)
+    title = f"{task.title}, {told['recipe']}"
+    text = model_card(title, task.summary, task.usage, told, trained.log[-1])
+    task.save(trained.model, of_data, text, options.out / MODEL_FOLDER)
     return _say(options, told, trained.log[-1])
 
 

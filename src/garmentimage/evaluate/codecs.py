@@ -11,7 +11,7 @@ from jaxtyping import Float32
 from garmentimage.compare import validity
 from garmentimage.errors import DecodeError
 from garmentimage.latent import LatentSpace
-from garmentimage.networks import Latent, Step, step_of
+from garmentimage.networks import Latent, DecodedGarment, decoded_garment
 from garmentimage.pattern import Pattern
 from garmentimage.raster import join_channels, split_channels
 from garmentimage.raster.encode import encode
@@ -24,13 +24,13 @@ class Codec(Protocol):
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of some garments."""
 
-    def fit_for(self, pattern: Pattern) -> "Codec":
+    def symmetrised_for(self, pattern: Pattern) -> "Codec":
         """What edits of a garment go by."""
 
-    def settled(self, z: Latent, times: int) -> Latent:
+    def reproject(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""
 
-    def step(self, z: Latent) -> Step:
+    def decode(self, z: Latent) -> DecodedGarment:
         """The garment of a latent vector, whatever it is."""
 
 
@@ -46,17 +46,17 @@ class RasterCodec:
         images = [encode(pattern, self.space.grid).to_channels() for pattern in patterns]
         return self.space.encode_channels(np.stack(images))
 
-    def fit_for(self, pattern: Pattern) -> "RasterCodec":
+    def symmetrised_for(self, pattern: Pattern) -> "RasterCodec":
         """Keeps an even garment even."""
-        return replace(self, space=self.space.fit_for(self.space.image(pattern)))
+        return replace(self, space=self.space.symmetrised_for(self.space.image(pattern)))
 
-    def settled(self, z: Latent, times: int) -> Latent:
+    def reproject(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""
-        return self.space.settled(z, times)
+        return self.space.reproject(z, times)
 
-    def step(self, z: Latent) -> Step:
+    def decode(self, z: Latent) -> DecodedGarment:
         """The garment of a latent vector."""
-        return self.space.step(z, repair_level=self.level)
+        return self.space.decode(z, repair_level=self.level)
 
 
 @dataclass(frozen=True)
@@ -69,15 +69,15 @@ class PlainCodec:
         """All channels of some garments."""
         return np.stack([encode(each, self.grid).to_channels().ravel() for each in patterns])
 
-    def fit_for(self, pattern: Pattern) -> "PlainCodec":
+    def symmetrised_for(self, pattern: Pattern) -> "PlainCodec":
         """The same: it knows nothing of left and right."""
         return self
 
-    def settled(self, z: Latent, times: int) -> Latent:
+    def reproject(self, z: Latent, times: int) -> Latent:
         """The same: there is no network that knows garments."""
         return z
 
-    def step(self, z: Latent) -> Step:
+    def decode(self, z: Latent) -> DecodedGarment:
         """The garment of a sum of channels.
 
         Flags and edge types are taken as shares; where several garments have cloth in a cell,
@@ -87,7 +87,7 @@ class PlainCodec:
         vectors = vectors / np.maximum(flags, 0.5)[:, None, None]
         shares = types.clip(0)
         shares = shares / shares.sum(axis=2, keepdims=True)
-        return step_of(z, join_channels(flags.clip(0, 1), shares, vectors), "full")
+        return decoded_garment(z, join_channels(flags.clip(0, 1), shares, vectors), "full")
 
 
 class VectorCodec:
@@ -112,30 +112,30 @@ class VectorCodec:
         """Latent vectors of some garments."""
         import torch
 
-        from garmentimage.learn.data import vectors
+        from garmentimage.learn.data import to_vectors
 
         with torch.no_grad():
-            return self.model.encode(vectors(patterns, self.words))[0].numpy()
+            return self.model.encode(to_vectors(patterns, self.words))[0].numpy()
 
-    def fit_for(self, pattern: Pattern) -> "VectorCodec":
+    def symmetrised_for(self, pattern: Pattern) -> "VectorCodec":
         """The same: it knows nothing of left and right."""
         return self
 
-    def settled(self, z: Latent, times: int) -> Latent:
+    def reproject(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""
         import torch
 
-        from garmentimage.learn.data import Vectors
+        from garmentimage.learn.data import PatternVectors
 
         at = torch.from_numpy(np.asarray(z, np.float32))[None]
         with torch.no_grad():
             for _ in range(times):
                 numbers, logits = self.model.decode(at)
                 there = logits > 0
-                at = self.model.encode(Vectors(numbers * there[..., None], there))[0]
+                at = self.model.encode(PatternVectors(numbers * there[..., None], there))[0]
         return at[0].numpy()
 
-    def step(self, z: Latent) -> Step:
+    def decode(self, z: Latent) -> DecodedGarment:
         """The garment of a latent vector."""
         import torch
 
@@ -144,5 +144,5 @@ class VectorCodec:
         try:
             pattern = self.words.pattern(numbers[0].numpy(), there[0].numpy() > 0)
         except DecodeError as error:
-            return Step(z, None, None, None, (str(error),))
-        return Step(z, None, None, pattern, tuple(validity(pattern)))
+            return DecodedGarment(z, None, None, None, (str(error),))
+        return DecodedGarment(z, None, None, pattern, tuple(validity(pattern)))

@@ -11,12 +11,12 @@ from garmentimage.evaluate.codecs import Codec
 from garmentimage.evaluate.edit_triplets import Triplet
 from garmentimage.evaluate.predictors import Predictor, load_predictor
 from garmentimage.latent import edit
-from garmentimage.networks import Step, beside, shown, strip
+from garmentimage.networks import DecodedGarment, draped_frame, side_by_side, strip
 from garmentimage.pattern import Pattern
 
 if TYPE_CHECKING:
     from garmentimage.evaluate.text import EditMethod
-    from garmentimage.learn.data import Album
+    from garmentimage.learn.data import ImageSplit
 
 FIGURE_PROMPTS = ("long", "short sleeves", "dress", "pants")
 """Each asked of the first garment that it asks a change of, a new one where there is one."""
@@ -32,7 +32,7 @@ def interpolation_picture(
         shares = np.linspace(0, 1, steps)
         titles = [f"{name}: 0/{steps - 1}", *(f"{k}/{steps - 1}" for k in range(1, steps))]
         latents = [start + share * (end - start) for share in shares]
-        rows.append(strip([shown(t, codec.step(z)) for t, z in zip(titles, latents)]))
+        rows.append(strip([draped_frame(t, codec.decode(z)) for t, z in zip(titles, latents)]))
     return np.concatenate(rows)
 
 
@@ -43,10 +43,10 @@ def edit_picture(codecs: Mapping[str, Codec], triplet: Triplet) -> UInt8[np.ndar
         a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
         edited = edit(codec, a, b, c)
         columns = [
-            shown(title, codec.step(z)) for title, z in {f"{name}: A": a, "B": b, "C": c}.items()
+            draped_frame(title, codec.decode(z)) for title, z in {f"{name}: A": a, "B": b, "C": c}.items()
         ]
-        columns.append(shown(edited.title, edited.step))
-        rows.append(strip([*columns, shown("wanted", Step(a, None, None, triplet.truth, ()))]))
+        columns.append(draped_frame(edited.title, edited.garment))
+        rows.append(strip([*columns, draped_frame("wanted", DecodedGarment(a, None, None, triplet.truth, ()))]))
     return np.concatenate(rows)
 
 
@@ -54,19 +54,19 @@ def predictions_picture(
     guessers: Sequence[Predictor],
     data: str,
     held_out: str,
-    album: "Album",
+    album: "ImageSplit",
     numbers: Sequence[int],
 ) -> UInt8[np.ndarray, "row col 3"]:
     """For some garments the picture, the true pattern, and what each guesser makes of it."""
     truths = parse_patterns([album.patterns[number] for number in numbers], data)
     rows = []
     for number, truth in zip(numbers, truths):
-        columns = [shown(f"truth: {album.types[number]}", _step(truth, ""))]
+        columns = [draped_frame(f"truth: {album.types[number]}", _step(truth, ""))]
         for guesser in guessers:
             guess = load_predictor(guesser, data, held_out)(album, number)
-            columns.append(shown(guesser.name, _step(guess.pattern, guess.fault)))
+            columns.append(draped_frame(guesser.name, _step(guess.pattern, guess.fault)))
         upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
-        rows.append(beside(np.ascontiguousarray(upright), strip(columns)))
+        rows.append(side_by_side(np.ascontiguousarray(upright), strip(columns)))
     return np.concatenate(rows)
 
 
@@ -87,15 +87,15 @@ def text_edits_picture(
         number = next((k for k in numbers if k not in used), numbers[0])
         used.add(number)
         start = known[number]
-        columns = [shown("as given", _step(start, ""))]
+        columns = [draped_frame("as given", _step(start, ""))]
         for editor in editors:
             if editor.kind in ("raster", "vectors"):
                 columns.append(
-                    shown(f"{prompt}: {editor.kind}", _step(*apply_edit(editor, start, prompt)))
+                    draped_frame(f"{prompt}: {editor.kind}", _step(*apply_edit(editor, start, prompt)))
                 )
         rows.append(strip(columns))
     return np.concatenate(rows)
 
 
-def _step(pattern: Pattern | None, fault: str) -> Step:
-    return Step(np.zeros(0, np.float32), None, None, pattern, (fault,) if fault else ())
+def _step(pattern: Pattern | None, fault: str) -> DecodedGarment:
+    return DecodedGarment(np.zeros(0, np.float32), None, None, pattern, (fault,) if fault else ())

@@ -27,7 +27,7 @@ from garmentimage.raster.repair import LEVELS
 from garmentimage.system import shown_path, source_commit, weights_hash
 
 if TYPE_CHECKING:
-    from garmentimage.learn.data import Album
+    from garmentimage.learn.data import ImageSplit
     from garmentimage.pattern import Pattern
 
 SEED = 31
@@ -265,7 +265,7 @@ def has_unseen(data: str, held_out: str, validation: bool = False) -> bool:
     return has_split(data, "unseen")
 
 
-def measuring_order(album: "Album") -> list[int]:
+def measuring_order(album: "ImageSplit") -> list[int]:
     """The order in which its garments are measured."""
     order: list[int] = np.random.default_rng(SEED).permutation(len(album.ids)).tolist()
     return order
@@ -274,17 +274,17 @@ def measuring_order(album: "Album") -> list[int]:
 @cache
 def load_garments(
     data: str, split: str, held_out: str, validation: bool = False
-) -> "tuple[Album, list[Pattern]]":
+) -> "tuple[ImageSplit, list[Pattern]]":
     """Garments to measure on, with their patterns: of seen types or unseen ones."""
     from garmentimage.dataset import parse_patterns
-    from garmentimage.learn.data import read_album
+    from garmentimage.learn.data import load_split
 
     place = "validation" if validation else "test"
     if held_out:
         without = {held_out} if split == "test" else _types(data) - {held_out}
-        album = read_album(data, place, without=sorted(without))
+        album = load_split(data, place, without=sorted(without))
     else:
-        album = read_album(data, place if split == "test" else split)
+        album = load_split(data, place if split == "test" else split)
     return album, parse_patterns(album.patterns, data)
 
 

@@ -32,7 +32,7 @@ from garmentimage.evaluate.garment import (
 from garmentimage.evaluate.records import Records
 from garmentimage.latent import LatentSpace, edit
 from garmentimage.metrics import interval
-from garmentimage.networks import Step
+from garmentimage.networks import DecodedGarment
 from garmentimage.pattern import Pattern
 from garmentimage.raster.repair import RepairLevel
 from garmentimage.system import shown_path, weights_hash
@@ -131,7 +131,7 @@ def _check(networks: Sequence[Candidate], recipe: str, amounts: LatentAmounts) -
     for judged in networks:
         codec = load_codec(judged)
         try:
-            codec.step(codec.latents([example])[0])
+            codec.decode(codec.latents([example])[0])
         except GarmentImageError as error:
             raise LearnError(f"{shown_path(judged.folder)}: {error}") from None
     for data in {judged.data for judged in networks}:
@@ -193,14 +193,14 @@ def _interpolation_record(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any
 
 def _edit_record(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-    pushed, plain = edit(codec, a, b, c), edit(codec, a, b, c, settle=0, strengths=(1.0,))
-    told = {"settled and pushed": _score_edit(_measure_step(pushed.step), triplet)}
+    pushed, plain = edit(codec, a, b, c), edit(codec, a, b, c, reprojections=0, strengths=(1.0,))
+    told = {"settled and pushed": _score_edit(_measure_step(pushed.garment), triplet)}
     if pushed.strength == 1:
         told["settled"] = told["settled and pushed"]
     else:
         settled = edit(codec, a, b, c, strengths=(1.0,))
-        told["settled"] = _score_edit(_measure_step(settled.step), triplet)
-    told["as in the paper"] = _score_edit(_measure_step(plain.step), triplet)
+        told["settled"] = _score_edit(_measure_step(settled.garment), triplet)
+    told["as in the paper"] = _score_edit(_measure_step(plain.garment), triplet)
     return {"edit": triplet.edit.name, **told}
 
 
@@ -229,10 +229,10 @@ def _topology(pattern: Pattern) -> str:
 
 
 def _measure_latent(codec: Codec, z: np.ndarray) -> MeasuredGarment:
-    return _measure_step(codec.step(z))
+    return _measure_step(codec.decode(z))
 
 
-def _measure_step(step: Step) -> MeasuredGarment:
+def _measure_step(step: DecodedGarment) -> MeasuredGarment:
     return measure_garment(step.pattern, step.faults[0] if step.faults else "")
 
 

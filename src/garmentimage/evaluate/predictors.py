@@ -12,14 +12,14 @@ from jaxtyping import Float32, UInt8
 
 from garmentimage.compare import validity
 from garmentimage.errors import DecodeError, LearnError
-from garmentimage.networks import step_of
+from garmentimage.networks import decoded_garment
 from garmentimage.pattern import Pattern
-from garmentimage.predict import PREDICTOR, PatternPredictor, certainty
+from garmentimage.predict import PREDICTOR_FILE, PatternPredictor, certainty
 from garmentimage.raster.repair import RepairLevel
 from garmentimage.system import shown_path
 
 if TYPE_CHECKING:
-    from garmentimage.learn.data import Album
+    from garmentimage.learn.data import ImageSplit
 
 PredictorKind = Literal["cascade", "slots", "nearest", "random", "flags", "types", "vectors"]
 TEACHER_STAGES: tuple[PredictorKind, ...] = ("flags", "types", "vectors")
@@ -65,7 +65,7 @@ class PredictedPattern:
 class PredictFunction(Protocol):
     """Guesses patterns of the garments of an album."""
 
-    def __call__(self, album: "Album", number: int) -> PredictedPattern:
+    def __call__(self, album: "ImageSplit", number: int) -> PredictedPattern:
         """The pattern of one of its pictures."""
 
 
@@ -99,7 +99,7 @@ def predictor_kind(folder: Path) -> PredictorKind:
     Raises:
         LearnError: nothing that guesses patterns.
     """
-    if (folder / PREDICTOR).is_file():
+    if (folder / PREDICTOR_FILE).is_file():
         return "cascade"
     if _slot_network(folder):
         return "slots"
@@ -119,7 +119,7 @@ class _Cascade:
     network: PatternPredictor
     level: RepairLevel
 
-    def __call__(self, album: "Album", number: int) -> PredictedPattern:
+    def __call__(self, album: "ImageSplit", number: int) -> PredictedPattern:
         upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
         channels = self.network.channels(upright[None])[0]
         return _from_channels(channels, self.level)
@@ -132,18 +132,18 @@ class _TeacherForced:
         import torch
 
         from garmentimage.learn import load_weights
-        from garmentimage.learn.models import Cascade
+        from garmentimage.learn.models import Cascade, Stage
 
         torch.set_num_threads(1)
-        self.model, self.given, self.level = load_weights(Cascade, folder), given, level
+        self.model, self.given, self.level = load_weights(Cascade, folder), Stage(given), level
 
-    def __call__(self, album: "Album", number: int) -> PredictedPattern:
+    def __call__(self, album: "ImageSplit", number: int) -> PredictedPattern:
         import torch
 
         garment = album.garments.batch(torch.tensor([number]))
         with torch.no_grad():
             channels = self.model.predict(
-                garment.seen(), garment.rasters, TEACHER_STAGES.index(self.given)
+                garment.images(), garment.rasters, self.given
             )
         return _from_channels(channels[0].numpy(), self.level)
 
@@ -160,16 +160,16 @@ class _Slots:
         torch.set_num_threads(1)
         self.model: Any = load_weights(SLOT_NETWORKS[_slot_network(folder)].network, folder)
 
-    def __call__(self, album: "Album", number: int) -> PredictedPattern:
+    def __call__(self, album: "ImageSplit", number: int) -> PredictedPattern:
         import torch
 
         from garmentimage.learn.data import pattern_from
 
-        seen = album.garments.batch(torch.tensor([number])).seen()
+        seen = album.garments.batch(torch.tensor([number])).images()
         with torch.no_grad():
             found = self.model.predict(seen)
         try:
-            pattern = pattern_from(found, 0, self.model.config.words)
+            pattern = pattern_from(found, 0, self.model.config.vocabulary)
         except DecodeError as error:
             return PredictedPattern(None, str(error), {})
         return _validated(pattern)
@@ -189,7 +189,7 @@ def _slot_network(folder: Path) -> str:
 def _from_channels(
     channels: Float32[np.ndarray, "34 row col"], level: RepairLevel
 ) -> PredictedPattern:
-    step = step_of(np.zeros(0, np.float32), channels, level)
+    step = decoded_garment(np.zeros(0, np.float32), channels, level)
     repairs = dict(step.repairs.counts) if step.repairs else {}
     fault = step.faults[0] if step.faults else ""
     return PredictedPattern(step.pattern, fault, repairs, certainty(channels))
@@ -208,22 +208,22 @@ class _Nearest:
 
     def __init__(self, data: str, held_out: str) -> None:
         from garmentimage.dataset import read_tables
-        from garmentimage.learn.data import PICTURE, pixels
+        from garmentimage.learn.data import PICTURE_COLUMN, read_pixels
 
         self.data = data
         self.patterns: list[str] = []
         thumbs = []
-        for table in read_tables(data, "train", ["type", "pattern", PICTURE]):
+        for table in read_tables(data, "train", ["type", "pattern", PICTURE_COLUMN]):
             types, patterns, pictures = (
-                table[name].to_pylist() for name in ("type", "pattern", PICTURE)
+                table[name].to_pylist() for name in ("type", "pattern", PICTURE_COLUMN)
             )
             for name, pattern, picture in zip(types, patterns, pictures):
                 if name != held_out:
                     self.patterns.append(pattern)
-                    thumbs.append(thumbnail(pixels(picture["bytes"])))
+                    thumbs.append(thumbnail(read_pixels(picture["bytes"])))
         self.thumbs = np.stack(thumbs)
 
-    def __call__(self, album: "Album", number: int) -> PredictedPattern:
+    def __call__(self, album: "ImageSplit", number: int) -> PredictedPattern:
         from garmentimage.dataset import parse_patterns
 
         apart = np.abs(self.thumbs - thumbnail(album.garments.pictures[number].numpy())).sum(1)
@@ -238,7 +238,7 @@ def thumbnail(picture: UInt8[np.ndarray, "3 row col"]) -> Float32[np.ndarray, " 
     return blocks.mean((2, 4)).ravel()
 
 
-def _random(album: "Album", number: int) -> PredictedPattern:
+def _random(album: "ImageSplit", number: int) -> PredictedPattern:
     """Any other garment of the same type: what knowing the type alone is worth."""
     from garmentimage.dataset import parse_patterns
 

@@ -21,10 +21,10 @@ from garmentimage.evaluate.prompts import PROMPTS, Prompt, is_applicable
 from garmentimage.evaluate.records import Records
 from garmentimage.latent import LatentSpace
 from garmentimage.learn import load_weights
-from garmentimage.learn.data import embedded
+from garmentimage.learn.data import embed_texts
 from garmentimage.learn.models import ImageDecoder
 from garmentimage.metrics import EditedRegion, interval, measure_shape, preserved_iou
-from garmentimage.networks import Step
+from garmentimage.networks import DecodedGarment
 from garmentimage.pattern import Pattern
 from garmentimage.system import shown_path, weights_hash
 from garmentimage.text_edit import (
@@ -152,10 +152,10 @@ def apply_edit(editing: EditMethod, start: Pattern, text: str) -> tuple[Pattern 
     """The garment that a method makes of another, and its first fault; empty if it is valid."""
     if editing.kind == "caption":
         return _nearest_caption(editing.data, text), ""
-    codec = load_method_codec(editing).fit_for(start)
+    codec = load_method_codec(editing).symmetrised_for(start)
     z = codec.latents([start])[0]
     step = (
-        codec.step(z) if editing.kind == "nothing" else _best_edit(editing, codec, z, start, text)
+        codec.decode(z) if editing.kind == "nothing" else _best_edit(editing, codec, z, start, text)
     )
     return step.pattern, step.faults[0] if step.faults else ""
 
@@ -178,12 +178,12 @@ def summarise_edits(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return summary
 
 
-def _best_edit(editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> Step:
+def _best_edit(editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> DecodedGarment:
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
     target_prompt, source_prompt = edit_prompts(start, text)
 
-    def attempt(boost: float, region: EditedRegion | None) -> Step:
+    def attempt(boost: float, region: EditedRegion | None) -> DecodedGarment:
         found = run_edit(
             torch.from_numpy(np.asarray(z, np.float32)),
             _image_decoder(editing.pictures),
@@ -195,7 +195,7 @@ def _best_edit(editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern,
             boost=boost,
             region=region,
         )
-        return codec.step(codec.settled(found.numpy(), REPROJECTIONS))
+        return codec.decode(codec.reproject(found.numpy(), REPROJECTIONS))
 
     return best_attempt(start, text, attempt, editing.tries).step
 
@@ -268,7 +268,7 @@ def _nearest_caption(data: str, text: str) -> Pattern:
             for caption in captions:
                 first.setdefault(caption, pattern)
     captions = list(first)
-    best = int((embedded(captions) @ embedded([text])[0]).argmax())
+    best = int((embed_texts(captions) @ embed_texts([text])[0]).argmax())
     return parse_patterns([first[captions[best]]], data)[0]
 
 

@@ -7,9 +7,9 @@ from .operations import (
     transfer as transfer,
 )
 from .space import (
-    DECODER as DECODER,
-    ENCODER as ENCODER,
-    GARMENTS as GARMENTS,
+    DECODER_FILE as DECODER_FILE,
+    ENCODER_FILE as ENCODER_FILE,
+    GARMENTS_FILE as GARMENTS_FILE,
     LatentSpace as LatentSpace,
     space_names as space_names,
 )

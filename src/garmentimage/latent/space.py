@@ -20,17 +20,17 @@ from garmentimage.compare import (
 )
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.networks import (
-    CONFIG,
+    CONFIG_FILE,
+    DecodedGarment,
     Latent,
-    Step,
-    damaged,
+    bundled_names,
+    damaged_file,
+    decoded_garment,
     network_folder,
     open_session,
     read_config,
     run_session,
-    shipped_names,
-    step_of,
-    topology_of,
+    topology_or_empty,
 )
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage, mirrored_channels
@@ -38,21 +38,21 @@ from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode
 from garmentimage.raster.repair import RepairLevel
 
-ENCODER, DECODER, GARMENTS = "encoder.onnx", "decoder.onnx", "garments.npz"
-DEFAULT = "vae-variety"
-LIKE_IOU = 0.85
-"""Garments whose panels come back with an IoU below this are unlike those that were trained on."""
+ENCODER_FILE, DECODER_FILE, GARMENTS_FILE = "encoder.onnx", "decoder.onnx", "garments.npz"
+DEFAULT_SPACE = "vae-variety"
+MIN_RECONSTRUCTION_IOU = 0.85
+"""Garments whose panels are reconstructed with a lower mean IoU are out of distribution."""
 
-EVEN_CM = 0.5
+SYMMETRY_TOLERANCE_CM = 0.5
 """Edge vectors on the left and on the right of an even garment differ by less [cm]."""
-LONGEST_CM = 1000.0
+MAX_EDGE_CM = 1000.0
 """A cell's edge is no longer on a flat panel [cm]."""
-FEWEST = 2
-"""Garments of each type that a space knows."""
+MIN_GARMENTS_PER_TYPE = 2
+"""KnownGarments of each type that a space knows."""
 
 
 @dataclass(frozen=True)
-class Garments:
+class KnownGarments:
     """Some garments of the training set."""
 
     ids: tuple[str, ...]
@@ -75,11 +75,13 @@ class LatentSpace:
         self.config = read_config(self.folder, ("grid", "latent"))
         recipe, seed = self.config.get("recipe"), self.config.get("seed")
         if not isinstance(recipe, str) or type(seed) is not int or not 0 <= seed < 2**63:
-            raise damaged(self.folder / CONFIG)
-        self.is_even = False  # whether all its garments are as their mirror images, see `fit_for`
+            raise damaged_file(self.folder / CONFIG_FILE)
+        self.is_symmetric = (
+            False  # whether all its garments are as their mirror images, see `symmetrised_for`
+        )
 
     @classmethod
-    def load(cls, name: str | Path = DEFAULT) -> "LatentSpace":
+    def load(cls, name: str | Path = DEFAULT_SPACE) -> "LatentSpace":
         """A space that comes with the package, by name, or one in a folder.
 
         Raises:
@@ -126,9 +128,9 @@ class LatentSpace:
             )
         if not image.inside.any():
             raise LearnError("an image without a cell of cloth; give one of a garment")
-        if np.abs(image.deformation).max() > LONGEST_CM:
+        if np.abs(image.deformation).max() > MAX_EDGE_CM:
             raise LearnError(
-                f"an image with an edge vector of more than {LONGEST_CM:g} cm; give it in cm"
+                f"an image with an edge vector of more than {MAX_EDGE_CM:g} cm; give it in cm"
             )
         return image
 
@@ -136,16 +138,16 @@ class LatentSpace:
         self, channels: Float32[np.ndarray, "n 34 row col"]
     ) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of images."""
-        return run_session(self._encoder, self.folder / ENCODER, channels)
+        return run_session(self._encoder, self.folder / ENCODER_FILE, channels)
 
     def decode_channels(
         self, z: Float32[np.ndarray, "n latent"]
     ) -> Float32[np.ndarray, "n 34 row col"]:
         """Images of latent vectors: probabilities, and vectors in cm, not repaired."""
-        channels = run_session(self._decoder, self.folder / DECODER, z)
-        return (channels + mirrored_channels(channels)) / 2 if self.is_even else channels
+        channels = run_session(self._decoder, self.folder / DECODER_FILE, z)
+        return (channels + mirrored_channels(channels)) / 2 if self.is_symmetric else channels
 
-    def fit_for(self, image: GarmentImage) -> "LatentSpace":
+    def symmetrised_for(self, image: GarmentImage) -> "LatentSpace":
         """The same space, in which what comes of an even garment is even.
 
         Even is what is as its mirror image: there each image that the network gives and its mirror
@@ -153,10 +155,12 @@ class LatentSpace:
         """
         channels = image.to_channels()[None]
         found = copy(self)
-        found.is_even = bool(np.abs(channels - mirrored_channels(channels)).max() < EVEN_CM)
+        found.is_symmetric = bool(
+            np.abs(channels - mirrored_channels(channels)).max() < SYMMETRY_TOLERANCE_CM
+        )
         return found
 
-    def settled(self, z: Latent, times: int) -> Latent:
+    def reproject(self, z: Latent, times: int) -> Latent:
         """Where a point ends that is decoded and encoded again so many times, 0 or more.
 
         Each time brings it nearer to garments that the network knows: what does not go together
@@ -166,7 +170,7 @@ class LatentSpace:
             z = self.encode_channels(self.decode_channels(z[None]))[0]
         return z
 
-    def step(self, z: Latent, *, repair_level: RepairLevel = "full") -> Step:
+    def decode(self, z: Latent, *, repair_level: RepairLevel = "full") -> DecodedGarment:
         """The garment at a point of the space, repaired, decoded and checked.
 
         Raises:
@@ -176,9 +180,9 @@ class LatentSpace:
             raise LearnError(
                 f"a latent vector of shape {np.shape(z)}; this network's are {self.latent} numbers"
             )
-        return step_of(z, self.decode_channels(z[None])[0], repair_level)
+        return decoded_garment(z, self.decode_channels(z[None])[0], repair_level)
 
-    def given(self, source: Pattern | GarmentImage) -> Step:
+    def locate(self, source: Pattern | GarmentImage) -> DecodedGarment:
         """A garment as it is, where the network sees it.
 
         Raises:
@@ -189,57 +193,63 @@ class LatentSpace:
             pattern = source if isinstance(source, Pattern) else decode(image)
         except DecodeError as error:
             raise LearnError(f"no garment can be read from the image: {error}") from None
-        return Step(self.encode(image), image, None, pattern, tuple(validity(pattern)))
+        return DecodedGarment(self.encode(image), image, None, pattern, tuple(validity(pattern)))
 
-    def unlike(self, given: Step) -> str:
+    def out_of_distribution(self, given: DecodedGarment) -> str:
         """How a garment comes back otherwise than it was; empty where it does not.
 
         A network has seen little that is like a garment that comes back with other seams, or with
-        panels whose mean IoU is below `LIKE_IOU`.
+        panels whose mean IoU is below `MIN_RECONSTRUCTION_IOU`.
         """
         assert given.pattern is not None  # `given` has one
-        again = self.step(given.z).pattern
+        again = self.decode(given.z).pattern
         if again is None:
             return "it comes back as no garment"
         count, before = len(again.panels), len(given.pattern.panels)
-        if topology_of(again) != topology_of(given.pattern):
+        if topology_or_empty(again) != topology_or_empty(given.pattern):
             panels = f", as {count} panels of its {before}" if count != before else ""
             return f"it comes back with other seams{panels}"
         overlap = match_panels(given.pattern, again).mean_iou
-        return f"its panels come back with an IoU of {overlap:.2f}" if overlap < LIKE_IOU else ""
+        return (
+            f"its panels come back with an IoU of {overlap:.2f}"
+            if overlap < MIN_RECONSTRUCTION_IOU
+            else ""
+        )
 
     @cached_property
-    def garments(self) -> Garments:
+    def garments(self) -> KnownGarments:
         """Some garments that it was trained on."""
         try:
-            with np.load(self.folder / GARMENTS, allow_pickle=False) as file:
+            with np.load(self.folder / GARMENTS_FILE, allow_pickle=False) as file:
                 ids, types, latents = (file[name] for name in ("ids", "types", "latents"))
-            found = Garments(tuple(ids.tolist()), tuple(types.tolist()), latents.astype(np.float32))
+            found = KnownGarments(
+                tuple(ids.tolist()), tuple(types.tolist()), latents.astype(np.float32)
+            )
         except Exception as error:  # zipfile, zlib and numpy each have their own.
-            raise damaged(self.folder / GARMENTS) from error
+            raise damaged_file(self.folder / GARMENTS_FILE) from error
         count = len(found.ids)
         if (
             found.latents.shape != (count, self.latent)
             or len(found.types) != count
             or not all(isinstance(each, str) for each in (*found.ids, *found.types))
             or not np.isfinite(found.latents).all()
-            or any(found.types.count(name) < FEWEST for name in set(found.types))
+            or any(found.types.count(name) < MIN_GARMENTS_PER_TYPE for name in set(found.types))
             or not count
         ):
-            raise damaged(self.folder / GARMENTS)
+            raise damaged_file(self.folder / GARMENTS_FILE)
         return found
 
     @cached_property
     def _encoder(self) -> Any:
         sizes = {"channels": [34, self.grid, self.grid], "z": [self.latent]}
-        return open_session(self.folder / ENCODER, sizes)
+        return open_session(self.folder / ENCODER_FILE, sizes)
 
     @cached_property
     def _decoder(self) -> Any:
         sizes = {"z": [self.latent], "channels": [34, self.grid, self.grid]}
-        return open_session(self.folder / DECODER, sizes)
+        return open_session(self.folder / DECODER_FILE, sizes)
 
 
 def space_names() -> tuple[str, ...]:
     """Names of the latent spaces that come with the package."""
-    return shipped_names(DECODER)
+    return bundled_names(DECODER_FILE)

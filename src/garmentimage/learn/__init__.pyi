@@ -1,16 +1,20 @@
 from .card import (
     model_card as model_card,
 )
+from .run_folder import (
+    MODEL_FOLDER as MODEL_FOLDER,
+    RUN_FILE as RUN_FILE,
+)
 from .settings import (
     TrainingSettings as TrainingSettings,
 )
 from .tasks import (
-    Wanted as Wanted,
-    lesson as lesson,
+    TaskOptions as TaskOptions,
+    TrainingTask as TrainingTask,
+    task_for as task_for,
 )
 from .training import (
-    MODEL as MODEL,
-    RUN_FILE as RUN_FILE,
+    TrainingResult as TrainingResult,
     train as train,
 )
 from .weights import (

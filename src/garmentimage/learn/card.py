@@ -1,18 +1,18 @@
-"""The card of a trained network: what it is, what it was made from, and how."""
+"""The model card of a trained network."""
 
 from collections.abc import Mapping
 from typing import Any
 
 
 def model_card(
-    name: str, what: str, use: str, facts: Mapping[str, Any], last: Mapping[str, float]
+    name: str, summary: str, usage: str, facts: Mapping[str, Any], last: Mapping[str, float]
 ) -> str:
-    """README.md of a network, with the metadata that the Hugging Face Hub reads.
+    """README.md of a network, with metadata for the Hugging Face Hub.
 
     Args:
         name: of the network.
-        what: a sentence on what it does.
-        use: which of its files are for what, and how.
+        summary: a sentence on what it does.
+        usage: which of its files are for what, and how.
         facts: recipe, data, commit, seed and the like.
         last: the last line of its log.
     """
@@ -25,7 +25,7 @@ tags: [sewing patterns, garments]
 
 # {name}
 
-{what}
+{summary}
 
 | made from | |
 |---|---|
@@ -35,7 +35,7 @@ tags: [sewing patterns, garments]
 |---|---|
 {_rows({key.removeprefix("held-out "): f"{value:.5f}" for key, value in losses.items()})}
 
-{use}
+{usage}
 """
 
 

@@ -1,4 +1,4 @@
-"""Trained networks as folders that are used without torch: latent spaces, and cascades."""
+"""Export of trained networks to folders that are used without torch: latent spaces, cascades."""
 
 import json
 import logging
@@ -11,29 +11,40 @@ from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import UInt8
 from safetensors.torch import save
 from torch import Tensor, nn
 
 from garmentimage.errors import DatasetError
-from garmentimage.latent import DECODER, ENCODER, GARMENTS
-from garmentimage.learn.data import INPUTS, Album, Labelled, repainted
+from garmentimage.latent import DECODER_FILE, ENCODER_FILE, GARMENTS_FILE
+from garmentimage.learn.data import INPUT_CHANNELS, ImageSplit, LabelledRasters, recolour_cloth
 from garmentimage.learn.models import Cascade, GarmentVAE, from_channels, to_channels
-from garmentimage.networks import CONFIG
-from garmentimage.predict import PICTURES, PREDICTOR, Box, distance_from, find_wearer, shrunk
+from garmentimage.networks import CONFIG_FILE
+from garmentimage.predict import (
+    PICTURES_FILE,
+    PREDICTOR_FILE,
+    Box,
+    find_wearer,
+    plane_distance,
+    thumbnail,
+)
 from garmentimage.system import write_together
 
+MIN_HALVED = 256
+"""Weights with fewer numbers stay float32."""
 OPSET = 18
-KNOWN_A_TYPE = 300
-"""Garments of each type that a space knows by heart."""
-WEIGHTS, CARD = "model.safetensors", "README.md"
-SEEN, AXES = 1000, 48
-"""Pictures by which others are judged, and directions in which they may differ."""
-COLOURS_SEED = 43
-"""Of the colours in which these are shown."""
-USUAL = 0.99
-"""Share of held-out pictures that are no further from the others than is usual."""
-LEAST = 0.01
-"""A picture that is so near to the others is like them, of 1."""
+"""Of ONNX."""
+GARMENTS_PER_TYPE = 300
+"""Training garments of each type that a latent space stores."""
+WEIGHTS_FILE, CARD_FILE = "model.safetensors", "README.md"
+REFERENCE_IMAGES, REFERENCE_AXES = 1000, 48
+"""Training images that define the distribution, and dimensions of the plane that they lie near."""
+RECOLOUR_SEED = 43
+"""Of the colours of these images, where the cascade was trained with recolouring."""
+OOD_QUANTILE = 0.99
+"""Share of held-out images that lie within the out-of-distribution threshold."""
+MIN_OOD_THRESHOLD = 0.01
+"""Smallest out-of-distribution threshold, as a root mean square of colours from 0 to 1."""
 
 
 class _Encoder(nn.Module):
@@ -54,31 +65,35 @@ class _Decoder(nn.Module):
         return to_channels(self.model.decode(z))
 
 
-def export(
-    model: GarmentVAE, known: Labelled, facts: Mapping[str, Any], card: str, folder: Path
+def export_vae(
+    model: GarmentVAE,
+    train_set: LabelledRasters,
+    facts: Mapping[str, Any],
+    card: str,
+    folder: Path,
 ) -> None:
-    """Write a latent space, and the weights beside it for training on (`from_pretrained`).
+    """Write a latent space, with the weights for further training (`from_pretrained`).
 
     Args:
         model: the network.
-        known: training garments, of which the first of each type are kept.
+        train_set: training garments, of which the first of each type are stored.
         facts: recipe, seed and the like, for `config.json`.
         card: the model card.
-        folder: where to.
+        folder: where to write.
     """
     model = model.cpu().eval()
     grid, latent = model.config.grid, model.config.latent
     folder.mkdir(parents=True, exist_ok=True)
     write_together(
         {
-            folder / CONFIG: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
-            folder / WEIGHTS: half_bytes(model),
-            folder / ENCODER: _onnx(
-                _Encoder(model), torch.zeros(2, INPUTS, grid, grid), "channels", "z"
+            folder / CONFIG_FILE: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
+            folder / WEIGHTS_FILE: half_precision_bytes(model),
+            folder / ENCODER_FILE: _onnx(
+                _Encoder(model), torch.zeros(2, INPUT_CHANNELS, grid, grid), "channels", "z"
             ),
-            folder / DECODER: _onnx(_Decoder(model), torch.zeros(2, latent), "z", "channels"),
-            folder / GARMENTS: _garments(model, known),
-            folder / CARD: card,
+            folder / DECODER_FILE: _onnx(_Decoder(model), torch.zeros(2, latent), "z", "channels"),
+            folder / GARMENTS_FILE: _training_garments(model, train_set),
+            folder / CARD_FILE: card,
         }
     )
 
@@ -93,110 +108,127 @@ class _Predictor(nn.Module):
 
 
 def export_cascade(
-    model: Cascade, known: Album, held_out: Album, facts: Mapping[str, Any], card: str, folder: Path
+    model: Cascade,
+    train_set: ImageSplit,
+    held_out: ImageSplit,
+    *,
+    facts: Mapping[str, Any],
+    card: str,
+    folder: Path,
 ) -> None:
-    """Write a cascade for use (`PatternPredictor`), and its weights for training on.
+    """Write a cascade for use (`PatternPredictor`), with the weights for further training.
 
     Args:
         model: the network.
-        known: what it was trained on.
-        held_out: pictures by which those like them are told from others.
+        train_set: garments that it was trained on.
+        held_out: other garments, from which the out-of-distribution threshold is measured.
         facts: recipe, seed and the like, for `config.json`.
         card: the model card.
-        folder: where to.
+        folder: where to write.
     """
     model = model.cpu().eval()
     size = model.config.picture
-    told = {**asdict(model.config), **facts, "wearer": asdict(_wearer(known))}
+    wearer = asdict(_median_wearer(train_set))
+    config = {**asdict(model.config), **facts, "wearer": wearer}
     folder.mkdir(parents=True, exist_ok=True)
     write_together(
         {
-            folder / CONFIG: json.dumps(told, indent=1) + "\n",
-            folder / WEIGHTS: half_bytes(model),
-            folder / PREDICTOR: _onnx(
+            folder / CONFIG_FILE: json.dumps(config, indent=1) + "\n",
+            folder / WEIGHTS_FILE: half_precision_bytes(model),
+            folder / PREDICTOR_FILE: _onnx(
                 _Predictor(model), torch.zeros(2, 3, size, size), "picture", "channels"
             ),
-            folder / PICTURES: _pictures(known, held_out, recolour=model.config.recolour > 0),
-            folder / CARD: card,
+            folder / PICTURES_FILE: _reference_images(
+                train_set, held_out, recolour=model.config.recolour > 0
+            ),
+            folder / CARD_FILE: card,
         }
     )
 
 
-def half_bytes(model: nn.Module) -> bytes:
+def half_precision_bytes(model: nn.Module) -> bytes:
     """A network's weights as 16-bit floats, a safetensors file."""
     halves = {name: value.half().contiguous() for name, value in model.state_dict().items()}
     return save(halves, {"format": "pt"})
 
 
-def _rows(album: Album, most: int, *, recolour: bool = False) -> list[np.ndarray]:
-    """Some pictures as they are shown in training, the highest row first."""
-    numbers = np.linspace(0, len(album.ids) - 1, min(most, len(album.ids))).astype(int)
-    some = album.garments.batch(torch.from_numpy(numbers))
-    shown = some.pictures
+def _shown_images(
+    split: ImageSplit, most: int, *, recolour: bool = False
+) -> list[UInt8[np.ndarray, "row col 3"]]:
+    """Some images as training shows them, the highest row first."""
+    numbers = np.linspace(0, len(split.ids) - 1, min(most, len(split.ids))).astype(int)
+    some = split.garments.batch(torch.from_numpy(numbers))
+    images = some.pictures
     if recolour:
         with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(COLOURS_SEED)
-            seen = repainted(some, torch.zeros(len(some), dtype=torch.bool), 1.0)
-        shown = (255 * seen).round().to(torch.uint8)
-    return [np.ascontiguousarray(each.numpy()[:, ::-1].transpose(1, 2, 0)) for each in shown]
+            torch.manual_seed(RECOLOUR_SEED)
+            colours = recolour_cloth(some, torch.zeros(len(some), dtype=torch.bool), 1.0)
+        images = (255 * colours).round().to(torch.uint8)
+    return [np.ascontiguousarray(each.numpy()[:, ::-1].transpose(1, 2, 0)) for each in images]
 
 
-def _wearer(album: Album) -> Box:
-    """Where the wearer is in most pictures."""
+def _median_wearer(split: ImageSplit) -> Box:
+    """The median bounding box of the wearer in training images."""
     boxes = []
-    for pixels in _rows(album, SEEN):
+    for pixels in _shown_images(split, REFERENCE_IMAGES):
         mask, _ = find_wearer(pixels)
         if mask is not None:
-            at = np.argwhere(mask)
-            boxes.append([*at.min(0), *(at.max(0) + 1)])
+            pixels_of = np.argwhere(mask)
+            boxes.append([*pixels_of.min(0), *(pixels_of.max(0) + 1)])
     if not boxes:
         raise DatasetError("the pictures have no plain background; a cascade needs one")
     top, left, bottom, right = np.median(boxes, axis=0) / len(pixels)
     return Box(float(top), float(bottom), float(left), float(right))
 
 
-def _pictures(known: Album, held_out: Album, *, recolour: bool) -> bytes:
-    """The plane that pictures lie near to, and how far held-out ones are from it."""
-    rows = np.array([shrunk(pixels) for pixels in _rows(known, SEEN, recolour=recolour)])
-    middle = rows.mean(0)
-    _, _, axes = np.linalg.svd(rows - middle, full_matrices=False)
-    axes = axes[:AXES]
-    apart = [
-        distance_from(shrunk(pixels), middle, axes)
-        for pixels in _rows(held_out, SEEN, recolour=recolour)
+def _reference_images(train_set: ImageSplit, held_out: ImageSplit, *, recolour: bool) -> bytes:
+    """The distribution of training images: their mean, principal axes and distance threshold.
+
+    By principal component analysis of thumbnails. The threshold is the `OOD_QUANTILE` of the
+    distances of held-out images from the plane; `PatternPredictor.likeness` compares with it.
+    """
+    shown = _shown_images(train_set, REFERENCE_IMAGES, recolour=recolour)
+    rows = np.array([thumbnail(pixels) for pixels in shown])
+    mean = rows.mean(0)
+    _, _, axes = np.linalg.svd(rows - mean, full_matrices=False)
+    axes = axes[:REFERENCE_AXES]
+    distances = [
+        plane_distance(thumbnail(pixels), mean, axes)
+        for pixels in _shown_images(held_out, REFERENCE_IMAGES, recolour=recolour)
     ]
+    ood_threshold = max(np.quantile(distances, OOD_QUANTILE), MIN_OOD_THRESHOLD)
     file = BytesIO()
     np.savez_compressed(
         file,
-        middle=middle.astype(np.float16),
+        middle=mean.astype(np.float16),
         axes=axes.astype(np.float16),
-        usual=np.float32(max(np.quantile(apart, USUAL), LEAST)),
+        usual=np.float32(ood_threshold),
     )
     return file.getvalue()
 
 
 @torch.no_grad()
-def _garments(model: GarmentVAE, known: Labelled) -> bytes:
-    types = np.array(known.types)
+def _training_garments(model: GarmentVAE, train_set: LabelledRasters) -> bytes:
+    types = np.array(train_set.types)
     chosen = np.sort(
         np.concatenate(
-            [np.flatnonzero(types == name)[:KNOWN_A_TYPE] for name in sorted(set(types))]
+            [np.flatnonzero(types == name)[:GARMENTS_PER_TYPE] for name in sorted(set(types))]
         )
     )
     parts = torch.from_numpy(chosen).split(256)
-    latents = torch.cat([model.encode(known.rasters.batch(part).inputs())[0] for part in parts])
+    latents = torch.cat([model.encode(train_set.rasters.batch(part).inputs())[0] for part in parts])
     file = BytesIO()
     np.savez_compressed(
         file,
-        ids=np.array(known.ids)[chosen],
+        ids=np.array(train_set.ids)[chosen],
         types=types[chosen],
         latents=latents.numpy().astype(np.float16),
     )
     return file.getvalue()
 
 
-def _onnx(model: nn.Module, example: Tensor, taken: str, given: str) -> bytes:
-    """A network as an ONNX file for any number of examples, weights as 16-bit floats."""
+def _onnx(model: nn.Module, example: Tensor, input_name: str, output_name: str) -> bytes:
+    """A network as an ONNX file for batches of any size, weights as 16-bit floats."""
     logging.getLogger("torch.onnx").setLevel(logging.ERROR)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)  # the exporter's own
@@ -204,35 +236,35 @@ def _onnx(model: nn.Module, example: Tensor, taken: str, given: str) -> bytes:
             model.eval(),
             (example,),
             dynamo=True,
-            input_names=[taken],
-            output_names=[given],
+            input_names=[input_name],
+            output_names=[output_name],
             opset_version=OPSET,
             dynamic_shapes=({0: torch.export.Dim("n")},),
             verbose=False,
         )
     assert program is not None
-    return _halved(program.model_proto)
+    return _half_precision(program.model_proto)
 
 
-def _halved(model: Any) -> bytes:
-    """The same network, its larger weights stored as float16 and cast when it is loaded.
+def _half_precision(model: Any) -> bytes:
+    """The same network, its larger weights stored as float16 and cast to float32 when loaded.
 
-    What the exporter notes at each node, such as paths of this machine, is left out.
+    The exporter's notes at each node are left out: they name paths of the machine.
     """
     from onnx import TensorProto, helper, numpy_helper
 
     graph = model.graph
     casts = []
     for weights in graph.initializer:
-        if weights.data_type != TensorProto.FLOAT or np.prod(weights.dims) < 256:
+        if weights.data_type != TensorProto.FLOAT or np.prod(weights.dims) < MIN_HALVED:
             continue
         name, values = weights.name, numpy_helper.to_array(weights)
         weights.CopyFrom(numpy_helper.from_array(values.astype(np.float16), f"{name}_half"))
         casts.append(helper.make_node("Cast", [f"{name}_half"], [name], to=TensorProto.FLOAT))
     nodes = [*casts, *graph.node]
-    for noted in (model, graph, *nodes, *graph.value_info, *graph.input, *graph.output):
-        noted.ClearField("doc_string")
-        noted.ClearField("metadata_props")
+    for part in (model, graph, *nodes, *graph.value_info, *graph.input, *graph.output):
+        part.ClearField("doc_string")
+        part.ClearField("metadata_props")
     del graph.node[:]
     graph.node.extend(nodes)
     return bytes(model.SerializeToString())

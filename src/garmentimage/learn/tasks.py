@@ -1,4 +1,4 @@
-"""What can be trained: for each network what it is, what it learns from, and how it is kept."""
+"""What can be trained: for each network its data, how it is built, and how it is saved."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -10,266 +10,291 @@ import torch
 from torch import nn
 
 from garmentimage.errors import LearnError
-from garmentimage.learn.export import CARD, WEIGHTS, export, export_cascade, half_bytes
+from garmentimage.learn.export import (
+    CARD_FILE,
+    WEIGHTS_FILE,
+    export_cascade,
+    export_vae,
+    half_precision_bytes,
+)
 from garmentimage.learn.training import Examples
-from garmentimage.networks import CONFIG
+from garmentimage.networks import CONFIG_FILE
 from garmentimage.system import weights_hash, write_atomically, write_together
 
+SPLITS = "train", "validation"
 FOR_TRAINING = "`model.safetensors` is for training on (`from_pretrained`)"
 FOR_USE = "Weights are 16-bit floats:"
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What to train with."""
+@dataclass(frozen=True, kw_only=True)
+class TaskOptions:
+    """Data and options of a training task; not every network has every option."""
 
     data: Path
+    """Folder of the dataset."""
     beta: float | None = None
-    """Weight of the prior; None for the network's own."""
+    """Weight of the prior; None for the network's default. For VAEs."""
     without: tuple[str, ...] = ()
-    """Types of garments that are left out."""
-    as_paper: tuple[str, ...] = ()
-    """Which of our departures from the paper's cascade are left out, see `DEPARTURES`."""
+    """Garment types that are left out. For networks that take images."""
+    ablate: tuple[str, ...] = ()
+    """Departures from the paper's cascade that are left out, see `ABLATIONS`. For the cascade."""
     resnet: Path | None = None
-    """Folder of a ResNet that looks at the pictures for a baseline."""
+    """Folder of a pretrained ResNet that encodes images. For the baselines of the cascade."""
     vae: Path | None = None
-    """Folder of the VAE whose latent vectors become pictures."""
+    """Folder of the VAE whose latent vectors are decoded. For the image decoder."""
 
 
-@dataclass(frozen=True)
-class Lesson:
-    """A network, and what it learns from."""
+@dataclass(frozen=True, kw_only=True)
+class TrainingTask:
+    """A network, and its training and validation set."""
 
     title: str
-    what: str
-    """A sentence for its card."""
-    use: str
-    """Another: which of its files are for what."""
+    """Of the model card."""
+    summary: str
+    """A sentence for the model card on what the network does."""
+    usage: str
+    """A sentence for the model card on which files are for what."""
     config: Any
-    make: Callable[[], nn.Module]
-    """The network, from the seed that is set."""
-    known: Examples
+    """The network's configuration, a dataclass."""
+    build: Callable[[], nn.Module]
+    """Makes the network; weights are drawn from torch's global generator."""
+    train_set: Examples
     held_out: Examples
-    keep: Callable[[Any, Mapping[str, Any], str, Path], None]
-    """Write the trained network, given facts of its data and the text of its card."""
+    save: Callable[[Any, Mapping[str, Any], str, Path], None]
+    """Writes the trained network: network, facts for `config.json`, model card, folder."""
     facts: Mapping[str, Any] = field(default_factory=dict)
-    """What else tells its runs apart."""
+    """Options that tell its runs apart, beside the configuration."""
 
 
-def vae_lesson(wanted: Wanted) -> Lesson:
+def vae_task(options: TaskOptions) -> TrainingTask:
     """The VAE of GarmentImages."""
     from garmentimage.learn.data import read_rasters
-    from garmentimage.learn.models import GarmentVAE, default_config
+    from garmentimage.learn.models import GarmentVAE, vae_config
 
-    known, held_out = (read_rasters(wanted.data, split) for split in ("train", "validation"))
-    config = default_config(known.rasters.grid, **_beta(wanted))
-    return Lesson(
-        "GarmentImage VAE",
-        "A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its encoder "
-        f"one linear map: front and back of {config.grid} x {config.grid} cells to "
+    train_set, held_out = (read_rasters(options.data, split) for split in SPLITS)
+    config = vae_config(train_set.rasters.grid, **_beta(options))
+    return TrainingTask(
+        title="GarmentImage VAE",
+        summary="A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its "
+        f"encoder one linear map: front and back of {config.grid} x {config.grid} cells to "
         f"{config.latent} numbers and back.",
-        f"{FOR_TRAINING}, the two `.onnx` files for use without torch: `garmentimage interpolate "
-        "A.json B.json --space FOLDER -o out`. Their weights are 16-bit floats.",
-        config,
-        lambda: _channels_last(GarmentVAE(config)),
-        known.rasters,
-        held_out.rasters,
-        lambda model, facts, card, folder: export(model, known, facts, card, folder),
+        usage=f"{FOR_TRAINING}, the two `.onnx` files for use without torch: `garmentimage "
+        "interpolate A.json B.json --space FOLDER -o out`. Their weights are 16-bit floats.",
+        config=config,
+        build=lambda: _channels_last(GarmentVAE(config)),
+        train_set=train_set.rasters,
+        held_out=held_out.rasters,
+        save=lambda model, facts, card, folder: export_vae(model, train_set, facts, card, folder),
     )
 
 
-def vector_vae_lesson(wanted: Wanted) -> Lesson:
+def vector_vae_task(options: TaskOptions) -> TrainingTask:
     """The paper's baseline of the VAE."""
-    from garmentimage.learn.data import WORDS, read_patterns, vectors, vocabulary
+    from garmentimage.learn.data import (
+        VOCABULARY_FILE,
+        build_vocabulary,
+        read_patterns,
+        to_vectors,
+    )
     from garmentimage.learn.models import VectorVAE, VectorVAEConfig
 
-    known, held_out = (read_patterns(wanted.data, split) for split in ("train", "validation"))
-    words = vocabulary(known)
-    config = replace(VectorVAEConfig(len(words.panels), words.vertices), **_beta(wanted))
+    train_set, held_out = (read_patterns(options.data, split) for split in SPLITS)
+    vocabulary = build_vocabulary(train_set)
+    config = VectorVAEConfig(len(vocabulary.panels), vocabulary.vertices)
+    config = replace(config, **_beta(options))
 
-    def keep(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
+    def save(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
         _save_pretrained(model, facts, card, folder)
-        write_atomically(folder / WORDS, words.to_json())
+        write_atomically(folder / VOCABULARY_FILE, vocabulary.to_json())
 
-    return Lesson(
-        "Vector VAE",
-        "The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors.",
-        f"{FOR_TRAINING}, and for `garmentimage evaluate explore --vectors FOLDER`.",
-        config,
-        lambda: VectorVAE(config),
-        vectors(known, words),
-        vectors(held_out, words),
-        keep,
+    return TrainingTask(
+        title="Vector VAE",
+        summary="The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors.",
+        usage=f"{FOR_TRAINING}, and for `garmentimage evaluate explore --vectors FOLDER`.",
+        config=config,
+        build=lambda: VectorVAE(config),
+        train_set=to_vectors(train_set, vocabulary),
+        held_out=to_vectors(held_out, vocabulary),
+        save=save,
     )
 
 
-def cascade_lesson(wanted: Wanted) -> Lesson:
-    """Three U-Nets from pictures to GarmentImages."""
-    from garmentimage.learn.data import read_album
-    from garmentimage.learn.models import DEPARTURES, PAPER, Cascade, CascadeConfig
+def cascade_task(options: TaskOptions) -> TrainingTask:
+    """Three U-Nets from images to GarmentImages."""
+    from garmentimage.learn.data import load_split
+    from garmentimage.learn.models import ABLATIONS, PAPER_CONFIG, Cascade, CascadeConfig
 
-    known, held_out = (
-        read_album(wanted.data, split, without=wanted.without) for split in ("train", "validation")
+    train_set, held_out = (
+        load_split(options.data, split, without=options.without) for split in SPLITS
     )
-    given_up = {name: getattr(PAPER, name) for part in wanted.as_paper for name in DEPARTURES[part]}
+    ablated = [name for part in options.ablate for name in ABLATIONS[part]]
     config = replace(
-        CascadeConfig(**given_up),
-        grid=known.garments.inside.shape[-1],
-        picture=known.garments.pictures.shape[-1],
+        CascadeConfig(**{name: getattr(PAPER_CONFIG, name) for name in ablated}),
+        grid=train_set.garments.rasters.grid,
+        picture=train_set.garments.pictures.shape[-1],
     )
-    return Lesson(
-        "Picture to GarmentImage",
-        "Three U-Nets that turn the picture of a worn garment into a GarmentImage, as in Section "
-        f"4.3 of the paper: {config.picture} x {config.picture} pixels to front and back of "
-        f"{config.grid} x {config.grid} cells.",
-        "`predictor.onnx` is for use without torch: `garmentimage predict PICTURE --network FOLDER "
-        f"-o out`. Its weights are 16-bit floats. {FOR_TRAINING}, where it is beside it.",
-        config,
-        lambda: _channels_last(Cascade(config)),
-        known.garments,
-        held_out.garments,
-        lambda model, facts, card, folder: export_cascade(
-            model, known, held_out, facts, card, folder
+    return TrainingTask(
+        title="Picture to GarmentImage",
+        summary="Three U-Nets that turn the picture of a worn garment into a GarmentImage, as in "
+        f"Section 4.3 of the paper: {config.picture} x {config.picture} pixels to front and back "
+        f"of {config.grid} x {config.grid} cells.",
+        usage="`predictor.onnx` is for use without torch: `garmentimage predict PICTURE --network "
+        f"FOLDER -o out`. Its weights are 16-bit floats. {FOR_TRAINING}, where it is beside it.",
+        config=config,
+        build=lambda: _channels_last(Cascade(config)),
+        train_set=train_set.garments,
+        held_out=held_out.garments,
+        save=lambda model, facts, card, folder: export_cascade(
+            model, train_set, held_out, facts=facts, card=card, folder=folder
         ),
-        {"without": sorted(wanted.without)},
+        facts={"without": sorted(options.without)},
     )
 
 
-def slot_lesson(wanted: Wanted, name: str) -> Lesson:
-    """A vector-based baseline of the cascade."""
+def slot_task(options: TaskOptions, name: str) -> TrainingTask:
+    """A vector-based baseline of the cascade, by its name in `SLOT_NETWORKS`."""
     from garmentimage.dataset import parse_patterns
-    from garmentimage.learn.data import SlotConfig, pictured_slots, read_album, slot_words
+    from garmentimage.learn.data import SlotConfig, imaged_slots, load_split, slot_vocabulary
     from garmentimage.learn.models import SLOT_NETWORKS, read_resnet
 
-    albums = [
-        read_album(wanted.data, split, without=wanted.without) for split in ("train", "validation")
-    ]
-    patterns = [parse_patterns(album.patterns, wanted.data) for album in albums]
-    words = slot_words(patterns[0])
-    resnet = read_resnet(wanted.resnet) if wanted.resnet else None
+    splits = [load_split(options.data, split, without=options.without) for split in SPLITS]
+    patterns = [parse_patterns(split.patterns, options.data) for split in splits]
+    vocabulary = slot_vocabulary(patterns[0])
+    resnet = read_resnet(options.resnet) if options.resnet else None
     kind = SLOT_NETWORKS[name]
     config = SlotConfig(
-        name,
-        words.names,
-        words.edges,
-        kind.width,
-        kind.layers,
-        picture=albums[0].garments.pictures.shape[-1],
+        network=name,
+        names=vocabulary.names,
+        edges=vocabulary.edges,
+        width=kind.width,
+        layers=kind.layers,
+        picture=splits[0].garments.pictures.shape[-1],
         resnet=resnet.config.to_dict() if resnet else None,
     )
+    train_set, held_out = (
+        imaged_slots(split, found, vocabulary)
+        for split, found in zip(splits, patterns, strict=True)
+    )
 
-    def make() -> Any:
+    def build() -> nn.Module:
         model: Any = kind.network(config)
         if resnet is not None:
-            model.see.net.load_state_dict(resnet.state_dict())
-        model.usual.set_to_mean(known.patterns)
-        return model
+            model.image_encoder.resnet.load_state_dict(resnet.state_dict())
+        model.output_prior.set_to_mean(train_set.patterns)
+        return model  # type: ignore[no-any-return]
 
-    seen_by = "ResNet that was given" if resnet else "small encoder of pictures"
-    known, held_out = (
-        pictured_slots(album, found, words) for album, found in zip(albums, patterns)
-    )
-    return Lesson(
-        kind.title,
-        f"{kind.what}, with a {seen_by}: a baseline of the paper's Section 4.3.",
-        f"{FOR_TRAINING}, and for `garmentimage evaluate image --network NAME=RUN`.",
-        config,
-        make,
-        known,
-        held_out,
-        _save_pretrained,
-        {"without": sorted(wanted.without)},
+    encoder = "ResNet that was given" if resnet else "small image encoder"
+    return TrainingTask(
+        title=kind.title,
+        summary=f"{kind.summary}, with a {encoder}: a baseline of the paper's Section 4.3.",
+        usage=f"{FOR_TRAINING}, and for `garmentimage evaluate image --network NAME=RUN`.",
+        config=config,
+        build=build,
+        train_set=train_set,
+        held_out=held_out,
+        save=_save_pretrained,
+        facts={"without": sorted(options.without)},
     )
 
 
-def image_decoder_lesson(wanted: Wanted) -> Lesson:
-    """Latent vectors of a trained VAE to pictures."""
-    from garmentimage.learn.data import latents_of, read_album, worn
-    from garmentimage.learn.models import ImageDecoder, ImageDecoderConfig
-
-    if wanted.vae is None:
-        raise LearnError("name the VAE whose latent vectors become pictures with --vae")
-    albums = [read_album(wanted.data, split) for split in ("train", "validation")]
-    encode = latents_of(wanted.vae)
-    known, held_out = (worn(album, encode) for album in albums)
-    latent, side = known.latents.shape[1], known.pictures.shape[-1]
-    config = ImageDecoderConfig(latent, side, vae_sha256=weights_hash(wanted.vae))
-    return Lesson(
-        "Latent vectors to pictures",
-        f"{config.latent} numbers of a GarmentImage VAE to a picture of the worn garment, "
-        f"{config.picture} x {config.picture} pixels, as in Section 4.2 of the paper.",
-        f"{FOR_USE} `garmentimage edit PATTERN TEXT --pictures FOLDER -o out`.",
-        config,
-        lambda: _channels_last(ImageDecoder(config)),
-        known,
-        held_out,
-        _save_halves,
-    )
-
-
-def denoiser_lesson(wanted: Wanted) -> Lesson:
-    """A small diffusion model of captioned pictures."""
-    from garmentimage.learn.data import read_captioned
-    from garmentimage.learn.models import Denoiser, DenoiserConfig
-
-    known, held_out = (read_captioned(wanted.data, split) for split in ("train", "validation"))
-    config = DenoiserConfig(known.pictures.shape[-1], known.meanings.shape[1])
-    return Lesson(
-        "Denoiser",
-        f"A diffusion model of pictures of worn garments, {config.picture} x {config.picture} "
-        "pixels, told what they show by a sentence vector of all-MiniLM-L6-v2.",
-        f"{FOR_USE} `garmentimage edit PATTERN TEXT --model FOLDER -o out`.",
-        config,
-        lambda: _channels_last(Denoiser(config)),
-        known,
-        held_out,
-        _save_halves,
-    )
-
-
-def lesson(network: str, wanted: Wanted) -> Lesson:
-    """What a network learns.
+def image_decoder_task(options: TaskOptions) -> TrainingTask:
+    """Latent vectors of a trained VAE to images.
 
     Raises:
-        LearnError: there is no network of that name.
-        DatasetError: the data cannot be read, or are not for that network.
+        LearnError: no VAE is given, or its folder holds none.
+    """
+    from garmentimage.learn.data import encode_split, load_split, split_encoder
+    from garmentimage.learn.models import ImageDecoder, ImageDecoderConfig
+
+    if options.vae is None:
+        raise LearnError("name the VAE whose latent vectors become pictures with --vae")
+    encode = split_encoder(options.vae)
+    train_set, held_out = (encode_split(load_split(options.data, s), encode) for s in SPLITS)
+    config = ImageDecoderConfig(
+        latent=train_set.latents.shape[1],
+        picture=train_set.pictures.shape[-1],
+        vae_sha256=weights_hash(options.vae),
+    )
+    return TrainingTask(
+        title="Latent vectors to pictures",
+        summary=f"{config.latent} numbers of a GarmentImage VAE to a picture of the worn garment, "
+        f"{config.picture} x {config.picture} pixels, as in Section 4.2 of the paper.",
+        usage=f"{FOR_USE} `garmentimage edit PATTERN TEXT --pictures FOLDER -o out`.",
+        config=config,
+        build=lambda: _channels_last(ImageDecoder(config)),
+        train_set=train_set,
+        held_out=held_out,
+        save=_save_halves,
+    )
+
+
+def denoiser_task(options: TaskOptions) -> TrainingTask:
+    """A small diffusion model of captioned images."""
+    from garmentimage.learn.data import load_captioned
+    from garmentimage.learn.models import Denoiser, DenoiserConfig
+
+    train_set, held_out = (load_captioned(options.data, split) for split in SPLITS)
+    config = DenoiserConfig(
+        picture=train_set.pictures.shape[-1], text=train_set.text_embeddings.shape[1]
+    )
+    return TrainingTask(
+        title="Denoiser",
+        summary=f"A diffusion model of pictures of worn garments, {config.picture} x "
+        f"{config.picture} pixels, conditioned on sentence embeddings of all-MiniLM-L6-v2.",
+        usage=f"{FOR_USE} `garmentimage edit PATTERN TEXT --model FOLDER -o out`.",
+        config=config,
+        build=lambda: _channels_last(Denoiser(config)),
+        train_set=train_set,
+        held_out=held_out,
+        save=_save_halves,
+    )
+
+
+def task_for(network: str, options: TaskOptions) -> TrainingTask:
+    """The training task of a network, by name.
+
+    Raises:
+        LearnError: there is no network of that name, or an option does not fit it.
+        DatasetError: the dataset cannot be read, or lacks what the network needs.
     """
     from garmentimage.learn.models import SLOT_NETWORKS
 
-    lessons = {
-        "vae": vae_lesson,
-        "vector-vae": vector_vae_lesson,
-        "cascade": cascade_lesson,
-        "image-decoder": image_decoder_lesson,
-        "denoiser": denoiser_lesson,
+    tasks = {
+        "vae": vae_task,
+        "vector-vae": vector_vae_task,
+        "cascade": cascade_task,
+        "image-decoder": image_decoder_task,
+        "denoiser": denoiser_task,
     }
     if network in SLOT_NETWORKS:
-        return slot_lesson(wanted, network)
-    if network not in lessons:
+        return slot_task(options, network)
+    if network not in tasks:
         raise LearnError(f"there is no network {network!r}")
-    return lessons[network](wanted)
+    return tasks[network](options)
 
 
-def _beta(wanted: Wanted) -> dict[str, Any]:
-    return {} if wanted.beta is None else {"beta": wanted.beta}
+def _beta(options: TaskOptions) -> dict[str, Any]:
+    return {} if options.beta is None else {"beta": options.beta}
 
 
 def _channels_last(model: nn.Module) -> nn.Module:
+    # Convolutions on processors are faster with channels last; results are those of this layout.
     return model.to(memory_format=torch.channels_last)  # type: ignore[no-any-return,call-overload]
 
 
 def _save_pretrained(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
+    del facts  # the configuration alone identifies these
     model.save_pretrained(folder)
-    write_atomically(folder / CARD, card)
+    write_atomically(folder / CARD_FILE, card)
 
 
 def _save_halves(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
-    """Weights as 16-bit floats: for use, and small."""
+    """Weights as 16-bit floats: half the size, for use only."""
     folder.mkdir(parents=True, exist_ok=True)
     write_together(
         {
-            folder / CONFIG: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
-            folder / WEIGHTS: half_bytes(model),
-            folder / CARD: card,
+            folder / CONFIG_FILE: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
+            folder / WEIGHTS_FILE: half_precision_bytes(model),
+            folder / CARD_FILE: card,
         }
     )

@@ -1,6 +1,8 @@
 """Weights on disk: safetensors with `config.json`, as `from_pretrained` reads them."""
 
+import json
 from contextlib import redirect_stdout
+from dataclasses import dataclass, field, fields
 from io import StringIO
 from pathlib import Path
 from typing import TypeVar
@@ -8,32 +10,72 @@ from typing import TypeVar
 from torch import nn
 
 from garmentimage.errors import LearnError
+from garmentimage.networks import CONFIG_FILE
 from garmentimage.system import shown_path
 
 Model = TypeVar("Model", bound=nn.Module)
+WEIGHTS_CONTRACT = 2
+"""Version of the names of weights and of configuration fields; files without one are of version 1.
+`scripts/migrate_weights.py` renames those."""
+
+
+@dataclass(frozen=True)
+class NetworkConfig:
+    """What the configuration of every network has."""
+
+    weights_contract: int = field(default=WEIGHTS_CONTRACT, kw_only=True)
+    """Version of the names in its files."""
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, list):  # JSON has no tuples
+                object.__setattr__(self, each.name, tuple(value))
 
 
 def load_weights(kind: type[Model], folder: str | Path) -> Model:
     """A network from a local folder that `save_pretrained` wrote, ready for use.
 
     Raises:
-        LearnError: it is not there, damaged, or of another kind or size.
+        LearnError: the files are missing, damaged, of another kind, size or version.
     """
     folder = Path(folder)
-    if not (folder / "config.json").is_file():
-        raise LearnError(f"{shown_path(folder)}: holds no network (there is no config.json)")
+    if not (folder / CONFIG_FILE).is_file():
+        raise LearnError(f"{shown_path(folder)}: holds no network (there is no {CONFIG_FILE})")
     try:
-        with redirect_stdout(StringIO()):  # It would tell where it loads from.
+        _check_contract(folder)
+        with redirect_stdout(StringIO()):  # The loader prints where it loads from.
             model = kind.from_pretrained(  # type: ignore[attr-defined]
                 str(folder), local_files_only=True, strict=True
             )
     except LearnError as error:
         raise LearnError(f"{shown_path(folder)}: {error}") from None
-    except Exception as error:  # What may go wrong spans four libraries.
+    except Exception as error:
         raise LearnError(
             f"{shown_path(folder)}: holds no {kind.__name__} that can be read "
             f"({type(error).__name__}); get it again"
         ) from None
     if not all(bool(part.isfinite().all()) for part in model.state_dict().values()):
-        raise LearnError(f"{shown_path(folder)}: has weights that are no numbers; get it again")
+        raise LearnError(f"{shown_path(folder)}: has NaN or infinite weights; get it again")
     return model.eval()  # type: ignore[no-any-return]
+
+
+def _check_contract(folder: Path) -> None:
+    """Refuse files with names of another version.
+
+    Raises:
+        LearnError: they are of another version.
+        OSError, ValueError, AttributeError: the configuration cannot be read.
+    """
+    config = json.loads((folder / CONFIG_FILE).read_text(encoding="utf-8"))
+    found = config.get("weights_contract", 1)
+    if found == 1:
+        raise LearnError(
+            "has weights with names of an earlier version; rename them once with "
+            f"`python scripts/migrate_weights.py {shown_path(folder)}`"
+        )
+    if found != WEIGHTS_CONTRACT:
+        raise LearnError(
+            f"has weights of version {found!r}, and this package reads {WEIGHTS_CONTRACT}; use the "
+            "package that wrote them"
+        )

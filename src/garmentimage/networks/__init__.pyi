@@ -1,26 +1,26 @@
 from .decoded import (
+    DecodedGarment as DecodedGarment,
     Latent as Latent,
-    Step as Step,
-    step_of as step_of,
-    topology_of as topology_of,
+    decoded_garment as decoded_garment,
+    topology_or_empty as topology_or_empty,
 )
 from .pictures import (
     ONE_COLOUR as ONE_COLOUR,
-    WARNING as WARNING,
+    WARNING_COLOUR as WARNING_COLOUR,
     WORN_PIXELS as WORN_PIXELS,
-    Shown as Shown,
-    beside as beside,
-    film as film,
-    shown as shown,
+    StripFrame as StripFrame,
+    animation as animation,
+    draped_frame as draped_frame,
+    side_by_side as side_by_side,
     strip as strip,
 )
 from .runtime import (
-    CONFIG as CONFIG,
-    SHIPPED as SHIPPED,
-    damaged as damaged,
+    CONFIG_FILE as CONFIG_FILE,
+    WEIGHTS_FOLDER as WEIGHTS_FOLDER,
+    bundled_names as bundled_names,
+    damaged_file as damaged_file,
     network_folder as network_folder,
     open_session as open_session,
     read_config as read_config,
     run_session as run_session,
-    shipped_names as shipped_names,
 )

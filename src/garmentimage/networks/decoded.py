@@ -16,7 +16,7 @@ Latent = Float32[np.ndarray, "latent"]
 
 
 @dataclass(frozen=True)
-class Step:
+class DecodedGarment:
     """A point of a latent space, and what garment it is."""
 
     z: Latent
@@ -29,9 +29,9 @@ class Step:
     """Why it cannot be cut and sewn; empty where it can."""
 
 
-def step_of(
+def decoded_garment(
     z: Latent, channels: Float32[np.ndarray, "34 row col"], repair_level: RepairLevel
-) -> Step:
+) -> DecodedGarment:
     """The garment of an image that need not be a garment, repaired, decoded and checked.
 
     Args:
@@ -43,10 +43,10 @@ def step_of(
     try:
         pattern = decode(image, repair=repair_level)
     except GarmentImageError as error:
-        return Step(z, image, repairs, None, (str(error),))
-    return Step(z, image, repairs, pattern, tuple(validity(pattern)))
+        return DecodedGarment(z, image, repairs, None, (str(error),))
+    return DecodedGarment(z, image, repairs, pattern, tuple(validity(pattern)))
 
 
-def topology_of(pattern: Pattern) -> str:
+def topology_or_empty(pattern: Pattern) -> str:
     """See `topology_word`; empty where panels or stitches are at fault."""
     return "" if structure_faults(pattern) else topology_word(stitch_graph(pattern))

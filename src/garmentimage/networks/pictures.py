@@ -10,7 +10,7 @@ from jaxtyping import UInt8
 
 from garmentimage.drape import DrapedGarment, drape_pattern
 from garmentimage.errors import GarmentImageError
-from garmentimage.networks.decoded import Step
+from garmentimage.networks.decoded import DecodedGarment
 from garmentimage.render import FAINT, INK, PAPER, picture_bytes, printable
 from garmentimage.render.flat import draw_image, draw_pattern, drawn_size
 from garmentimage.render.worn import PAPER_COLOURS, Look, photograph
@@ -23,19 +23,19 @@ COLUMN_IN, PATTERN_IN, RASTER_IN, WORN_IN, TITLE_IN = 2.5, 2.4, 1.7, 2.5, 0.5
 """Sizes of a step's drawings [inch]."""
 DPI = 100
 WORN_PIXELS = 320
-FRAME_MS, END_MS = 350, 1200
+FRAME_MS, END_FRAME_MS = 350, 1200
 """How long a frame of the film stands, and the first and last."""
-WARNING = "#b3261e"
+WARNING_COLOUR = "#b3261e"
 ONE_COLOUR = Look(colours=dict.fromkeys(PAPER_COLOURS, "lightblue"))
 """Whatever a panel is called: the same cloth on the whole way."""
 
 
 @dataclass(frozen=True)
-class Shown:
+class StripFrame:
     """A step with how it is worn."""
 
     title: str
-    step: Step
+    garment: DecodedGarment
     worn: DrapedGarment | None
     """None where it cannot be draped."""
     faults: tuple[str, ...]
@@ -44,18 +44,18 @@ class Shown:
     """What is drawn where it is not draped."""
 
 
-def shown(title: str, step: Step) -> Shown:
+def draped_frame(title: str, step: DecodedGarment) -> StripFrame:
     """A step, draped on the default body."""
     if step.faults or step.pattern is None:
-        return Shown(title, step, None, step.faults)
+        return StripFrame(title, step, None, step.faults)
     try:
         worn = drape_pattern(step.pattern)
     except GarmentImageError as error:
-        return Shown(title, step, None, (str(error),))
-    return Shown(title, step, worn, worn.report.faults)
+        return StripFrame(title, step, None, (str(error),))
+    return StripFrame(title, step, worn, worn.report.faults)
 
 
-def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
+def strip(columns: Sequence[StripFrame]) -> UInt8[np.ndarray, "row col 3"]:
     """All steps beside each other, at one scale: pattern, raster, and worn.
 
     What is wrong with one is told in red.
@@ -63,10 +63,10 @@ def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
     from matplotlib.figure import Figure
     from PIL import Image
 
-    raster = RASTER_IN if any(column.step.image is not None for column in columns) else 0.0
+    raster = RASTER_IN if any(column.garment.image is not None for column in columns) else 0.0
     width, height = COLUMN_IN * len(columns), TITLE_IN + PATTERN_IN + raster + WORN_IN
     figure = Figure(figsize=(width, height), facecolor=PAPER)
-    patterns = [column.step.pattern for column in columns if column.step.pattern is not None]
+    patterns = [column.garment.pattern for column in columns if column.garment.pattern is not None]
     sizes = [drawn_size(pattern) for pattern in patterns]
     room = max((w for w, _ in sizes), default=0.0), max((h for _, h in sizes), default=0.0)
     for number, column in enumerate(columns):
@@ -76,7 +76,7 @@ def strip(columns: Sequence[Shown]) -> UInt8[np.ndarray, "row col 3"]:
     return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
 
 
-def beside(
+def side_by_side(
     picture: UInt8[np.ndarray, "row col 3"],
     columns: UInt8[np.ndarray, "row col 3"],
 ) -> UInt8[np.ndarray, "row col 3"]:
@@ -95,14 +95,14 @@ def beside(
     return np.concatenate([left, columns], axis=1)
 
 
-def film(columns: Sequence[Shown]) -> bytes:
+def animation(columns: Sequence[StripFrame]) -> bytes:
     """The steps one after another and back again, as an animated GIF."""
     from PIL import Image
 
     frames = [Image.fromarray(strip([column])) for column in columns]
     frames += frames[-2:0:-1]
     times = [FRAME_MS] * len(frames)
-    times[0] = times[len(columns) - 1] = END_MS
+    times[0] = times[len(columns) - 1] = END_FRAME_MS
     palette = [frame.quantize(128, dither=Image.Dither.NONE) for frame in frames]
     file = io.BytesIO()
     palette[0].save(
@@ -113,7 +113,7 @@ def film(columns: Sequence[Shown]) -> bytes:
 
 def _draw(
     figure: "Figure",
-    column: Shown,
+    column: StripFrame,
     place: tuple[float, float],
     height: float,
     floor: float,
@@ -123,7 +123,7 @@ def _draw(
 
     `room` is what every pattern gets [cm].
     """
-    colour = WARNING if column.faults else INK
+    colour = WARNING_COLOUR if column.faults else INK
     left, wide = place
     middle, inset = left + wide / 2, 0.03 * wide
 
@@ -144,11 +144,11 @@ def _draw(
 
     write(height - 0.3 * TITLE_IN, column.title, 9, colour)
     if column.faults:
-        write(height - 0.7 * TITLE_IN, column.faults[0][:44], 5.5, WARNING)
-    if column.step.pattern is not None:
-        draw_pattern(column.step.pattern, axes(floor, PATTERN_IN), room=room)
-    if column.step.image is not None:
-        draw_image(column.step.image, axes(WORN_IN, RASTER_IN), legend=False)
+        write(height - 0.7 * TITLE_IN, column.faults[0][:44], 5.5, WARNING_COLOUR)
+    if column.garment.pattern is not None:
+        draw_pattern(column.garment.pattern, axes(floor, PATTERN_IN), room=room)
+    if column.garment.image is not None:
+        draw_image(column.garment.image, axes(WORN_IN, RASTER_IN), legend=False)
     if column.worn is not None:
         pixels = photograph(column.worn, ONE_COLOUR, size=WORN_PIXELS).colour
     elif column.picture is not None:

@@ -12,16 +12,16 @@ from garmentimage.errors import LearnError, quoted
 from garmentimage.raster import CHANNEL_CONTRACT
 from garmentimage.system import did_you_mean, shown_path
 
-SHIPPED = Path(str(files("garmentimage") / "weights"))
+WEIGHTS_FOLDER = Path(str(files("garmentimage") / "weights"))
 """Where networks lie that come with the package."""
-CONFIG = "config.json"
-MOST = 1e6
+CONFIG_FILE = "config.json"
+MAX_VALUE = 1e6
 """No number of a network's is as large."""
 
 
-def shipped_names(file: str) -> tuple[str, ...]:
+def bundled_names(file: str) -> tuple[str, ...]:
     """Names of the networks that come with the package and have this file."""
-    return tuple(sorted(found.parent.name for found in SHIPPED.glob(f"*/{file}")))
+    return tuple(sorted(found.parent.name for found in WEIGHTS_FOLDER.glob(f"*/{file}")))
 
 
 def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
@@ -31,7 +31,7 @@ def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
         LearnError: there is none of that name, and no such folder.
     """
     if str(name) in known:
-        return SHIPPED / str(name)
+        return WEIGHTS_FOLDER / str(name)
     try:
         is_folder = Path(name).is_dir()
     except (OSError, ValueError):  # a name that no file can have
@@ -66,7 +66,7 @@ def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
     Raises:
         LearnError: there is none, or it was made for other channels than this version has.
     """
-    file = folder / CONFIG
+    file = folder / CONFIG_FILE
     try:
         config = json.loads(file.read_text(encoding="utf-8"))
         numbers: Sequence[Any] = [config[name] for name in sizes]
@@ -74,12 +74,12 @@ def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
             raise ValueError
     except FileNotFoundError:
         raise LearnError(
-            f"{shown_path(folder)}: holds no trained network (there is no {CONFIG})"
+            f"{shown_path(folder)}: holds no trained network (there is no {CONFIG_FILE})"
         ) from None
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise damaged(file) from None
+        raise damaged_file(file) from None
     check_contract(config, file)
     return config
 
@@ -107,16 +107,16 @@ def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:
         takes, gives = session.get_inputs(), session.get_outputs()
         if [each.name for each in (*takes, *gives)] != list(sizes):
             raise ValueError
-        if not all(_is_of(each, sizes[each.name]) for each in (*takes, *gives)):
+        if not all(_has_shape(each, sizes[each.name]) for each in (*takes, *gives)):
             raise ValueError
         return session
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
     except Exception as error:  # onnxruntime has no base class of its own for its errors.
-        raise damaged(file) from error
+        raise damaged_file(file) from error
 
 
-def _is_of(found: Any, size: Sequence[int]) -> bool:
+def _has_shape(found: Any, size: Sequence[int]) -> bool:
     """Whether an input or output takes any number of examples of a size."""
     count, *rest = found.shape
     return (
@@ -137,13 +137,13 @@ def run_session(session: Any, file: Path, given: np.ndarray) -> np.ndarray:
     try:
         (found,) = session.run(None, {takes.name: np.asarray(given, np.float32)})
     except Exception as error:  # onnxruntime has no base class of its own for its errors.
-        raise damaged(file) from error
+        raise damaged_file(file) from error
     is_whole = found.shape[:1] == given.shape[:1] and found.ndim == len(gives.shape)
-    if not is_whole or not np.abs(found).max(initial=0) < MOST:
-        raise damaged(file)
+    if not is_whole or not np.abs(found).max(initial=0) < MAX_VALUE:
+        raise damaged_file(file)
     return np.asarray(found)
 
 
-def damaged(file: Path) -> LearnError:
+def damaged_file(file: Path) -> LearnError:
     """The error of a network's file that does not hold what it should."""
     return LearnError(f"{shown_path(file)}: is damaged, or none of ours; get it again")

@@ -3,15 +3,15 @@ from .photo import (
     find_wearer as find_wearer,
 )
 from .predictor import (
-    DEFAULT as DEFAULT,
-    PICTURES as PICTURES,
-    PREDICTOR as PREDICTOR,
+    DEFAULT_NETWORK as DEFAULT_NETWORK,
+    PICTURES_FILE as PICTURES_FILE,
+    PREDICTOR_FILE as PREDICTOR_FILE,
     PatternPredictor as PatternPredictor,
     Prediction as Prediction,
     certainty as certainty,
-    distance_from as distance_from,
-    shrunk as shrunk,
+    plane_distance as plane_distance,
+    thumbnail as thumbnail,
 )
 from .report_image import (
-    sheet as sheet,
+    draw_report as draw_report,
 )

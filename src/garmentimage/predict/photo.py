@@ -18,32 +18,32 @@ from garmentimage.errors import LearnError
 from garmentimage.system import shown_path
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
-TWIN = "MPO"
+MULTI_PICTURE_FORMAT = "MPO"
 """What some phones save as JPEG, with a second picture for depth."""
-PIXEL_LIMIT = 50_000_000
-SMALLEST = 32
+MAX_PIXELS = 50_000_000
+MIN_SIDE = 32
 """Fewer pixels a side show no garment."""
-LARGEST = 2048
+MAX_SIDE = 2048
 """More pixels a side are made fewer."""
-THINNEST = 8
+MAX_ASPECT = 8
 """The most that a picture may be longer than wide."""
-PLAIN = 24.0
+BACKGROUND_TOLERANCE = 24.0
 """How far from the colour of the border, of 255, a pixel is the wearer's."""
-BORDER_SHARE = 0.8
+MIN_BORDER_SHARE = 0.8
 """A background is plain where this share of the border has one colour."""
-FRAME = 0.05
+MAX_FRAME = 0.05
 """The most of a picture's shorter side that a frame round it takes, on each side."""
-SPECK = 0.02
+MIN_FIGURE_HEIGHT = 0.02
 """What is lower than this share of the picture is no wearer."""
-FURTHER = 0.3
+MIN_SECOND_FIGURE = 0.3
 """A further figure of this share of the largest one's pixels is no speck either."""
 PLACE_TOLERANCE = 0.02
 """A wearer that is in place within this share of the picture's side stays as it is."""
-WHITE, DEEP_WHITE = 255, 65535
+WHITE, WHITE_16_BIT = 255, 65535
 """With 8 and with 16 bits."""
-COARSE = 0.75
+MIN_RESOLUTION = 0.75
 """A note tells of less than this share of the pixels that the network looks at."""
-RESTLESS = "has no plain background, so its wearer could not be found; expect little"
+CLUTTERED = "has no plain background, so its wearer could not be found; expect little"
 EMPTY = "shows nothing before its background"
 CROWDED = "shows more than one figure; the largest was taken"
 
@@ -61,7 +61,7 @@ class Box:
         sides = (self.top, self.bottom), (self.left, self.right)
         numbers = [value for side in sides for value in side]
         if not all(type(value) is float for value in numbers) or not all(
-            low >= 0 and low + SPECK <= high <= 1 for low, high in sides
+            low >= 0 and low + MIN_FIGURE_HEIGHT <= high <= 1 for low, high in sides
         ):
             raise ValueError(f"a box from {sides[0]} to {sides[1]}; give shares of the picture")
 
@@ -76,7 +76,7 @@ class Photo:
 
 
 def read_photo(path: str | PathLike[str]) -> Photo:
-    """A picture file, upright, as 8-bit sRGB on white, no larger than `LARGEST` a side.
+    """A picture file, upright, as 8-bit sRGB on white, no larger than `MAX_SIDE` a side.
 
     Raises:
         LearnError: the file is no picture, is animated, or has too many or too few pixels.
@@ -143,16 +143,16 @@ def as_photo(picture: object) -> Photo:
 
 
 def _check_size(image: Any, name: str) -> None:
-    if image.width * image.height > PIXEL_LIMIT:
+    if image.width * image.height > MAX_PIXELS:
         raise _too_many(name)
     frames = getattr(image, "n_frames", 1)
-    if frames > 1 and image.format != TWIN:
+    if frames > 1 and image.format != MULTI_PICTURE_FORMAT:
         raise LearnError(f"{name}: is animated, {frames} pictures; save one of them")
-    if min(image.size) < SMALLEST:
+    if min(image.size) < MIN_SIDE:
         raise LearnError(
-            f"{name}: has {image.width} x {image.height} pixels; give {SMALLEST} a side or more"
+            f"{name}: has {image.width} x {image.height} pixels; give {MIN_SIDE} a side or more"
         )
-    if max(image.size) > THINNEST * min(image.size):
+    if max(image.size) > MAX_ASPECT * min(image.size):
         raise LearnError(
             f"{name}: has {image.width} x {image.height} pixels, too thin to show someone; cut it "
             "to what it should show"
@@ -161,7 +161,7 @@ def _check_size(image: Any, name: str) -> None:
 
 def _too_many(name: str) -> LearnError:
     return LearnError(
-        f"{name}: has too many pixels; make it smaller than {PIXEL_LIMIT // 1_000_000} million"
+        f"{name}: has too many pixels; make it smaller than {MAX_PIXELS // 1_000_000} million"
     )
 
 
@@ -174,8 +174,8 @@ def _plain(image: Any) -> Photo:
         notes.append("has more than 8 bits a colour; they were brought to 8")
         levels = np.nan_to_num(np.asarray(image, float))
         low, high = float(levels.min()), max(float(levels.max()), float(levels.min()) + 1)
-        if image.mode != "F" and low >= 0 and high <= DEEP_WHITE:
-            low, high = 0.0, float(DEEP_WHITE)
+        if image.mode != "F" and low >= 0 and high <= WHITE_16_BIT:
+            low, high = 0.0, float(WHITE_16_BIT)
         image = Image.fromarray(((levels - low) / (high - low) * WHITE).astype(np.uint8))
     if image.mode == "CMYK":
         notes.append("is CMYK; its colours were converted roughly")
@@ -183,11 +183,11 @@ def _plain(image: Any) -> Photo:
         clear = image.convert("RGBA")
         image = Image.alpha_composite(Image.new("RGBA", clear.size, "white"), clear)
     image = image.convert("RGB")
-    image.thumbnail((LARGEST, LARGEST), Image.Resampling.BOX)
+    image.thumbnail((MAX_SIDE, MAX_SIDE), Image.Resampling.BOX)
     return Photo(np.asarray(image), tuple(notes))
 
 
-def framed(photo: Photo, box: Box, size: int) -> Photo:
+def frame_photo(photo: Photo, box: Box, size: int) -> Photo:
     """A photograph as a square picture of `size` pixels a side, its wearer in the box.
 
     Args:
@@ -208,7 +208,7 @@ def framed(photo: Photo, box: Box, size: int) -> Photo:
     (top, left), (bottom, right) = at.min(0), at.max(0) + 1
     # The square around the wearer that looks as the networks' pictures do.
     side = (bottom - top) / (box.bottom - box.top)
-    if side < COARSE * size:
+    if side < MIN_RESOLUTION * size:
         notes += (f"shows its wearer only {bottom - top} pixels high; give more for less doubt",)
     cleared = np.where(wearer[..., None], photo.pixels, WHITE).astype(np.uint8)
     here = np.array([top / rows, bottom / rows, left / cols, right / cols])
@@ -225,10 +225,10 @@ def without_frame(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "
     colour, share = _border(pixels)
     if share < 1:
         return pixels
-    for width in range(1, int(FRAME * min(pixels.shape[:2])) + 1):
+    for width in range(1, int(MAX_FRAME * min(pixels.shape[:2])) + 1):
         inner = pixels[width:-width, width:-width]
         other, share = _border(inner)
-        if share >= BORDER_SHARE and np.abs(other - colour).max() >= PLAIN:
+        if share >= MIN_BORDER_SHARE and np.abs(other - colour).max() >= BACKGROUND_TOLERANCE:
             return without_frame(inner)  # its edge may be blurred
     return pixels
 
@@ -245,16 +245,16 @@ def find_wearer(
     from scipy import ndimage
 
     colour, share = _border(pixels)
-    if share < BORDER_SHARE:
-        return None, RESTLESS
-    other = np.abs(pixels.astype(float) - colour).max(2) >= PLAIN
+    if share < MIN_BORDER_SHARE:
+        return None, CLUTTERED
+    other = np.abs(pixels.astype(float) - colour).max(2) >= BACKGROUND_TOLERANCE
     parts, _ = ndimage.label(other, np.ones((3, 3)))
     sizes = np.bincount(parts.ravel(), minlength=2)
     sizes[0] = 0
     filled: np.ndarray = ndimage.binary_fill_holes(parts == sizes.argmax())
-    if not sizes.any() or np.ptp(np.flatnonzero(filled.any(1))) < SPECK * len(pixels):
+    if not sizes.any() or np.ptp(np.flatnonzero(filled.any(1))) < MIN_FIGURE_HEIGHT * len(pixels):
         return None, EMPTY
-    is_crowded = np.sort(sizes)[-2] > FURTHER * sizes.max()
+    is_crowded = np.sort(sizes)[-2] > MIN_SECOND_FIGURE * sizes.max()
     return filled, CROWDED if is_crowded else ""
 
 
@@ -262,7 +262,7 @@ def _border(pixels: UInt8[np.ndarray, "row col 3"]) -> tuple[Float[np.ndarray, "
     """The colour of the outermost pixels, and the share of them that have it."""
     border = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]]).astype(float)
     colour = np.median(border, axis=0)
-    return colour, float((np.abs(border - colour).max(1) < PLAIN).mean())
+    return colour, float((np.abs(border - colour).max(1) < BACKGROUND_TOLERANCE).mean())
 
 
 def _squared(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "side side 3"]:

@@ -15,29 +15,29 @@ import numpy as np
 from jaxtyping import Float, Float32, UInt8
 
 from garmentimage.networks import (
-    Step,
-    damaged,
+    DecodedGarment,
+    bundled_names,
+    damaged_file,
+    decoded_garment,
     network_folder,
     open_session,
     read_config,
     run_session,
-    shipped_names,
-    step_of,
 )
-from garmentimage.predict.photo import EMPTY, Box, Photo, as_photo, framed
+from garmentimage.predict.photo import EMPTY, Box, Photo, as_photo, frame_photo
 from garmentimage.raster import split_channels
 from garmentimage.raster.repair import RepairLevel
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-PREDICTOR, PICTURES = "predictor.onnx", "pictures.npz"
-DEFAULT = "image-wide"
-SMALL = 32
+PREDICTOR_FILE, PICTURES_FILE = "predictor.onnx", "pictures.npz"
+DEFAULT_NETWORK = "image-wide"
+THUMBNAIL_PIXELS = 32
 """Pixels a side at which pictures are compared."""
-SURE = 0.5
+MIN_CONFIDENCE = 0.5
 """A confidence below this is low."""
-USUAL = 1e-4, 1.0
+OOD_THRESHOLD_LIMITS = 1e-4, 1.0
 """Least and most that pictures in training may be apart from what they have in common."""
 
 
@@ -49,7 +49,7 @@ class Prediction:
     """As the network saw it."""
     channels: Float32[np.ndarray, "34 row col"]
     """Probabilities, and vectors in cm, not repaired."""
-    step: Step
+    garment: DecodedGarment
     """The garment, repaired, decoded and checked; it has no latent vector."""
     confidence: float
     """From 0 to 1: how sure the network is of flags and edge types; less where the picture is
@@ -57,8 +57,8 @@ class Prediction:
 
     @property
     def doubts(self) -> Float[np.ndarray, "layer row col"]:
-        """How unsure the network is of each cell, see `doubts_of`."""
-        return doubts_of(self.channels)
+        """How unsure the network is of each cell, see `uncertainty_of`."""
+        return uncertainty_of(self.channels)
 
     @property
     def is_sure(self) -> bool:
@@ -66,7 +66,7 @@ class Prediction:
 
         What cannot be sewn is told by `step.faults`, what cannot be worn by draping the pattern.
         """
-        return self.confidence >= SURE
+        return self.confidence >= MIN_CONFIDENCE
 
 
 class PatternPredictor:
@@ -85,10 +85,10 @@ class PatternPredictor:
         try:
             self.box = Box(**self.config["wearer"])
         except (KeyError, TypeError, ValueError):
-            raise damaged(self.folder / "config.json") from None
+            raise damaged_file(self.folder / "config.json") from None
 
     @classmethod
-    def load(cls, name: str | Path = DEFAULT) -> "PatternPredictor":
+    def load(cls, name: str | Path = DEFAULT_NETWORK) -> "PatternPredictor":
         """A network that comes with the package, by name, or one in a folder.
 
         Raises:
@@ -117,9 +117,9 @@ class PatternPredictor:
             LearnError: it is no picture that will do.
             TypeError: it is of another type, or the pixels are.
         """
-        seen = framed(as_photo(picture), self.box, self.size)
+        seen = frame_photo(as_photo(picture), self.box, self.size)
         channels = self.channels(seen.pixels[None])[0]
-        step = step_of(np.zeros(0, np.float32), channels, repair_level)
+        step = decoded_garment(np.zeros(0, np.float32), channels, repair_level)
         is_empty = EMPTY in seen.notes
         sure = 0.0 if is_empty else certainty(channels) * self.likeness(seen.pixels)
         return Prediction(seen, channels, step, sure)
@@ -130,7 +130,7 @@ class PatternPredictor:
         """Images of pictures that are framed already."""
         upward = pixels[:, ::-1].transpose(0, 3, 1, 2)
         seen = np.ascontiguousarray(upward, np.float32) / 255
-        return run_session(self._network, self.folder / PREDICTOR, seen)
+        return run_session(self._network, self.folder / PREDICTOR_FILE, seen)
 
     def likeness(self, pixels: UInt8[np.ndarray, "row col 3"]) -> float:
         """How like those that it was trained on a picture is, from 0 to 1.
@@ -139,31 +139,31 @@ class PatternPredictor:
         picture without any, .61 for one that only one in a hundred of training exceeds.
         """
         known = self._pictures
-        apart = distance_from(shrunk(pixels), known["middle"], known["axes"])
+        apart = plane_distance(thumbnail(pixels), known["middle"], known["axes"])
         return float(np.exp(-((apart / float(known["usual"])) ** 2) / 2))
 
     @cached_property
     def _network(self) -> Any:
         grid = int(self.config["grid"])
         sizes = {"picture": [3, self.size, self.size], "channels": [34, grid, grid]}
-        return open_session(self.folder / PREDICTOR, sizes)
+        return open_session(self.folder / PREDICTOR_FILE, sizes)
 
     @cached_property
     def _pictures(self) -> dict[str, np.ndarray]:
         try:
-            with np.load(self.folder / PICTURES, allow_pickle=False) as file:
+            with np.load(self.folder / PICTURES_FILE, allow_pickle=False) as file:
                 known = {name: file[name].astype(float) for name in ("middle", "axes", "usual")}
         except Exception as error:  # zipfile, zlib and numpy each have their own.
-            raise damaged(self.folder / PICTURES) from error
-        numbers = 3 * SMALL**2
+            raise damaged_file(self.folder / PICTURES_FILE) from error
+        numbers = 3 * THUMBNAIL_PIXELS**2
         if (
             known["middle"].shape != (numbers,)
             or known["axes"].shape[1:] != (numbers,)
             or known["usual"].shape != ()
             or not all(np.isfinite(each).all() for each in known.values())
-            or not USUAL[0] <= known["usual"] <= USUAL[1]
+            or not OOD_THRESHOLD_LIMITS[0] <= known["usual"] <= OOD_THRESHOLD_LIMITS[1]
         ):
-            raise damaged(self.folder / PICTURES)
+            raise damaged_file(self.folder / PICTURES_FILE)
         return known
 
 
@@ -176,7 +176,7 @@ def certainty(channels: Float32[np.ndarray, "34 row col"]) -> float:
     return float(flags[maybe].mean() * types[maybe].mean()) if maybe.any() else 0.0
 
 
-def doubts_of(
+def uncertainty_of(
     channels: Float32[np.ndarray, "34 row col"],
 ) -> Float[np.ndarray, "layer row col"]:
     """How unsure a network is of each cell: 0 sure, 1 it may be anything.
@@ -195,15 +195,17 @@ def _shares(
     return np.abs(2 * inside - 1), types.max(axis=2).mean(axis=1), inside > 0.05
 
 
-def shrunk(pixels: UInt8[np.ndarray, "row col 3"]) -> Float[np.ndarray, " number"]:
+def thumbnail(pixels: UInt8[np.ndarray, "row col 3"]) -> Float[np.ndarray, " number"]:
     """A picture as few numbers from 0 to 1."""
     from PIL import Image
 
-    small = Image.fromarray(pixels).resize((SMALL, SMALL), Image.Resampling.BOX)
+    small = Image.fromarray(pixels).resize(
+        (THUMBNAIL_PIXELS, THUMBNAIL_PIXELS), Image.Resampling.BOX
+    )
     return np.asarray(small, float).ravel() / 255
 
 
-def distance_from(
+def plane_distance(
     numbers: Float[np.ndarray, " number"],
     middle: Float[np.ndarray, " number"],
     axes: Float[np.ndarray, "axis number"],
@@ -216,4 +218,4 @@ def distance_from(
 
 def predictor_names() -> tuple[str, ...]:
     """Names of the cascades that come with the package."""
-    return shipped_names(PREDICTOR)
+    return bundled_names(PREDICTOR_FILE)

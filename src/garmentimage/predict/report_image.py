@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from garmentimage.networks import ONE_COLOUR, WARNING, WORN_PIXELS, Shown
+from garmentimage.networks import ONE_COLOUR, WARNING_COLOUR, WORN_PIXELS, StripFrame
 from garmentimage.predict.predictor import Prediction
 from garmentimage.render import FAINT, INK, NAME_LIMIT, PAPER, picture_bytes, printable
 from garmentimage.render.flat import draw_image, draw_pattern
@@ -21,7 +21,7 @@ DPI = 110
 LAYER_NAMES = "front", "back"
 
 
-def sheet(prediction: Prediction, worn: Shown) -> UInt8[np.ndarray, "row col 3"]:
+def draw_report(prediction: Prediction, worn: StripFrame) -> UInt8[np.ndarray, "row col 3"]:
     """What the network saw; the GarmentImage and where it is in doubt; the pattern; the drape.
 
     What is wrong with the pattern is told in red.
@@ -33,7 +33,7 @@ def sheet(prediction: Prediction, worn: Shown) -> UInt8[np.ndarray, "row col 3"]
     from matplotlib.figure import Figure
     from PIL import Image
 
-    step = prediction.step
+    step = prediction.garment
     figure = Figure(figsize=(4 * COLUMN_IN, HEIGHT_IN), facecolor=PAPER)
     rest = 1 - TITLE_IN / HEIGHT_IN
 
@@ -57,7 +57,7 @@ def sheet(prediction: Prediction, worn: Shown) -> UInt8[np.ndarray, "row col 3"]
             1 - 0.5 * TITLE_IN / HEIGHT_IN,
             title,
             fontsize=10,
-            color=WARNING if is_bad else INK,
+            color=WARNING_COLOUR if is_bad else INK,
             ha="center",
             va="center",
         )
@@ -105,7 +105,7 @@ def _write_fault(fault: str, ax: "Axes") -> None:
         0.02,
         "\n".join(printable(line) for line in textwrap.wrap(fault, NAME_LIMIT)),
         fontsize=7,
-        color=WARNING,
+        color=WARNING_COLOUR,
         ha="center",
         va="bottom",
         transform=ax.transAxes,

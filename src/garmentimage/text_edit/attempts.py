@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from garmentimage.metrics import EditedRegion, measure_shape, preserved_iou
-from garmentimage.networks import Step
+from garmentimage.networks import DecodedGarment
 from garmentimage.pattern import Pattern
 from garmentimage.text_edit.goal import parse_goal
 
@@ -22,7 +22,7 @@ MIN_PRESERVED_IOU = 0.85
 class BestAttempt:
     """The best of several attempts."""
 
-    step: Step
+    step: DecodedGarment
     number: int
     """Which attempt it was, from 0."""
     count: int
@@ -34,7 +34,7 @@ class BestAttempt:
 def best_attempt(
     source: Pattern | None,
     text: str,
-    attempt: Callable[[float, EditedRegion | None], Step],
+    attempt: Callable[[float, EditedRegion | None], DecodedGarment],
     max_attempts: int,
 ) -> BestAttempt:
     """Repeat an edit until it succeeds, and return the best attempt.
@@ -50,7 +50,7 @@ def best_attempt(
         max_attempts: up to `MAX_ATTEMPTS`.
     """
     before, goal = measure_shape(source), parse_goal(text)
-    found: list[tuple[tuple[bool, bool, float], Step, bool | None]] = []
+    found: list[tuple[tuple[bool, bool, float], DecodedGarment, bool | None]] = []
     for boost in GUIDANCE_BOOSTS[:max_attempts]:
         step = attempt(boost, goal.region) if goal else attempt(1.0, None)
         is_garment, achieved, preserved = step.pattern is not None and not step.faults, None, 1.0

@@ -15,7 +15,7 @@ from garmentimage.latent import LatentSpace, space_names
 from garmentimage.learn import load_weights
 from garmentimage.learn.models import ImageDecoder
 from garmentimage.metrics import EditedRegion
-from garmentimage.networks import Latent, Step, network_folder, shipped_names
+from garmentimage.networks import Latent, DecodedGarment, network_folder, bundled_names
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage
 from garmentimage.system import shown_path, weights_hash
@@ -50,7 +50,7 @@ class EditFrame:
 
     number: int
     """Steps of the optimisation before it."""
-    step: Step
+    step: DecodedGarment
     picture: UInt8[np.ndarray, "row col 3"]
     """Its picture by the picture network."""
 
@@ -59,10 +59,10 @@ class EditFrame:
 class TextEdit:
     """A garment before and after an edit."""
 
-    source: Step
+    source: DecodedGarment
     frames: tuple[EditFrame, ...]
     """From the source to the end of the optimisation."""
-    result: Step
+    result: DecodedGarment
     attempts: int
     """Attempts made."""
     achieved: bool | None
@@ -133,15 +133,15 @@ class TextEditor:
         """
         prompt = normalised_text(text)
         check_options(strength, steps, max_attempts)
-        given = self.space.given(source)
-        assert given.image is not None  # `LatentSpace.given` has one
-        space = self.space.fit_for(given.image)
+        given = self.space.locate(source)
+        assert given.image is not None  # `LatentSpace.locate` has one
+        space = self.space.symmetrised_for(given.image)
         start = torch.from_numpy(given.z).float()
         target_prompt, source_prompt = edit_prompts(given.pattern, prompt)
         kept_steps = np.linspace(0, steps, min(FRAME_COUNT, steps + 1)).round().astype(int).tolist()
         latents: list[dict[int, torch.Tensor]] = []
 
-        def attempt(boost: float, region: EditedRegion | None) -> Step:
+        def attempt(boost: float, region: EditedRegion | None) -> DecodedGarment:
             latents.append({0: start})
 
             def keep(step: int, z: torch.Tensor) -> None:
@@ -161,11 +161,11 @@ class TextEditor:
                 region=region,
                 progress=keep,
             )
-            return space.step(space.settled(z.numpy(), REPROJECTIONS))
+            return space.decode(space.reproject(z.numpy(), REPROJECTIONS))
 
         best = best_attempt(given.pattern, prompt, attempt, max_attempts)
         frames = tuple(
-            EditFrame(number, space.step(z.numpy()), self.picture(z.numpy()))
+            EditFrame(number, space.decode(z.numpy()), self.picture(z.numpy()))
             for number, z in sorted(latents[best.number].items())
         )
         return TextEdit(given, frames, best.step, best.count, best.achieved)
@@ -333,9 +333,9 @@ def check_options(strength: float, steps: int, max_attempts: int) -> None:
 
 def image_decoder_names() -> tuple[str, ...]:
     """Bundled networks from latent vectors to pictures."""
-    return tuple(name for name in shipped_names("model.safetensors") if name.endswith("-pictures"))
+    return tuple(name for name in bundled_names("model.safetensors") if name.endswith("-pictures"))
 
 
 def denoiser_names() -> tuple[str, ...]:
     """Bundled diffusion models."""
-    return tuple(name for name in shipped_names("model.safetensors") if name.endswith("-denoiser"))
+    return tuple(name for name in bundled_names("model.safetensors") if name.endswith("-denoiser"))

@@ -8,8 +8,8 @@ from torch import Tensor
 
 from garmentimage.errors import LearnError
 from garmentimage.learn import load_weights
-from garmentimage.learn.data import SIZE, embedded
-from garmentimage.learn.models import Denoiser, shares
+from garmentimage.learn.data import TEXT_SIZE, embed_texts
+from garmentimage.learn.models import Denoiser, alpha_sigma
 from garmentimage.system import shown_path
 from garmentimage.text_edit.guidance import NoiseSchedule, Pictures
 
@@ -30,10 +30,10 @@ class PixelDiffusion:
 
     def __init__(self, folder: str | Path) -> None:
         self.model = load_weights(Denoiser, folder)
-        if self.model.config.text != SIZE:
+        if self.model.config.text != TEXT_SIZE:
             raise LearnError(
                 f"{shown_path(folder)}: takes text embeddings of {self.model.config.text} numbers, "
-                f"the sentence encoder gives {SIZE}; download it again"
+                f"the sentence encoder gives {TEXT_SIZE}; download it again"
             )
 
     def encode(self, pictures: Pictures) -> Tensor:
@@ -52,11 +52,11 @@ class PixelDiffusion:
 
     def alpha_sigma(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
         """Factors of picture and noise."""
-        return shares(times)
+        return alpha_sigma(times)
 
     def embed_prompt(self, text: str) -> Tensor | None:
         """The sentence embedding of a prompt; None for the empty one."""
-        return torch.from_numpy(embedded([text])) if text else None
+        return torch.from_numpy(embed_texts([text])) if text else None
 
     def predict_noise(
         self, noisy: Tensor, times: Float[Tensor, " n"], prompt: Tensor | None

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from garmentimage.dataset import all_phrases, aspect_of, bottoms_of
-from garmentimage.learn.data import embedded
+from garmentimage.learn.data import embed_texts
 from garmentimage.metrics import ShapeAttributes, measure_shape
 from garmentimage.pattern import Pattern
 
@@ -36,7 +36,7 @@ def nearest_phrase(text: str) -> tuple[float, str]:
         LearnError: the sentence encoder is not installed.
     """
     phrases, embeddings = _phrases()
-    similarity = embeddings @ embedded([text])[0]
+    similarity = embeddings @ embed_texts([text])[0]
     best = int(similarity.argmax())
     return float(similarity[best]), phrases[best]
 
@@ -97,4 +97,4 @@ def _level(value: float, low: float, high: float, words: tuple[str, str, str]) -
 @cache
 def _phrases() -> tuple[tuple[str, ...], Float32[np.ndarray, "phrase text"]]:
     known = all_phrases()
-    return known, embedded(known)
+    return known, embed_texts(known)

@@ -1,31 +1,31 @@
 from .images import (
-    PICTURE as PICTURE,
-    Album as Album,
-    Pictured as Pictured,
-    pixels as pixels,
-    read_album as read_album,
+    PICTURE_COLUMN as PICTURE_COLUMN,
+    ImagedGarments as ImagedGarments,
+    ImageSplit as ImageSplit,
+    load_split as load_split,
+    read_pixels as read_pixels,
 )
 from .latent_images import (
-    Captioned as Captioned,
-    Worn as Worn,
-    latents_of as latents_of,
-    read_captioned as read_captioned,
-    worn as worn,
+    CaptionedImages as CaptionedImages,
+    LatentImages as LatentImages,
+    encode_split as encode_split,
+    load_captioned as load_captioned,
+    split_encoder as split_encoder,
 )
 from .pattern_vectors import (
-    NUMBERS as NUMBERS,
-    WORDS as WORDS,
-    Vectors as Vectors,
+    VERTEX_SIZE as VERTEX_SIZE,
+    VOCABULARY_FILE as VOCABULARY_FILE,
+    PatternVectors as PatternVectors,
+    build_vocabulary as build_vocabulary,
     read_patterns as read_patterns,
     read_vocabulary as read_vocabulary,
-    vectors as vectors,
-    vocabulary as vocabulary,
+    to_vectors as to_vectors,
 )
 from .rasters import (
-    INPUTS as INPUTS,
+    INPUT_CHANNELS as INPUT_CHANNELS,
     LAYERS as LAYERS,
     VECTOR_CM as VECTOR_CM,
-    Labelled as Labelled,
+    LabelledRasters as LabelledRasters,
     Rasters as Rasters,
     mirrored_flags as mirrored_flags,
     mirrored_types as mirrored_types,
@@ -33,26 +33,26 @@ from .rasters import (
     read_rasters as read_rasters,
     rest_vectors as rest_vectors,
 )
-from .slot_vectors import (
-    NUMBERS_A_PLACE as NUMBERS_A_PLACE,
-    NUMBERS_AN_EDGE as NUMBERS_AN_EDGE,
-    PicturedSlots as PicturedSlots,
-    SlotConfig as SlotConfig,
+from .slot_outputs import (
     SlotOutputs as SlotOutputs,
-    Usual as Usual,
-    asked_losses as asked_losses,
-    in_slots as in_slots,
     pattern_from as pattern_from,
-    pictured_slots as pictured_slots,
-    quiet as quiet,
-    slot_losses as slot_losses,
-    slot_words as slot_words,
+)
+from .slot_vectors import (
+    EDGE_SIZE as EDGE_SIZE,
+    PLACEMENT_SIZE as PLACEMENT_SIZE,
+    ROW as ROW,
+    TAGS as TAGS,
+    ImagedSlots as ImagedSlots,
+    SlotConfig as SlotConfig,
+    SlotVectors as SlotVectors,
+    imaged_slots as imaged_slots,
+    slot_vocabulary as slot_vocabulary,
 )
 from .text_encoder import (
-    SIZE as SIZE,
-    embedded as embedded,
+    TEXT_SIZE as TEXT_SIZE,
+    embed_texts as embed_texts,
 )
 from .waist_mix import (
-    recombined as recombined,
-    repainted as repainted,
+    mix_at_waist as mix_at_waist,
+    recolour_cloth as recolour_cloth,
 )

@@ -1,4 +1,4 @@
-"""Pictures with their latent vectors, and pictures with wordings: what editing by text learns."""
+"""Images with latent vectors, and images with prompts: the data for editing by text."""
 
 import json
 from collections.abc import Callable
@@ -12,60 +12,46 @@ from torch import Tensor
 
 from garmentimage.dataset import parse_patterns, random_prompt, read_tables
 from garmentimage.errors import LearnError
-from garmentimage.learn.data.images import PICTURE, Album, pixels
-from garmentimage.learn.data.pattern_vectors import Vocabulary, read_vocabulary, vectors
-from garmentimage.learn.data.text_encoder import embedded
+from garmentimage.learn.data.images import PICTURE_COLUMN, ImageSplit, read_pixels
+from garmentimage.learn.data.pattern_vectors import Vocabulary, read_vocabulary, to_vectors
+from garmentimage.learn.data.rows import ImageRows
+from garmentimage.learn.data.text_encoder import embed_texts
 from garmentimage.learn.models import GarmentVAE, VectorVAE
 from garmentimage.learn.weights import load_weights
 from garmentimage.system import shown_path
 
-Encode = Callable[[Album], tuple[Tensor, Tensor]]
-"""An album's latent vectors, and the encoder's standard deviations."""
-WORDINGS = 8
-"""Of each garment."""
-SEED = 41
+SplitEncoder = Callable[[ImageSplit], tuple[Tensor, Tensor]]
+"""Means and standard deviations of a split's latent vectors, each [n, latent]."""
+PROMPTS_PER_GARMENT = 8
+PROMPT_SEED = 41
+"""Of the words that are drawn for prompts."""
 
 
-@dataclass  # not frozen: Fabric casts its fields where precision is mixed
-class Worn:
-    """Pictures of garments, and their latent vectors."""
+@dataclass
+class LatentImages(ImageRows):
+    """Images of garments, and their latent vectors."""
 
     latents: Float[Tensor, "n latent"]
     spread: Float[Tensor, "n latent"]
-    """Standard deviation of the encoder."""
+    """Standard deviations of the encoder's posterior."""
     pictures: UInt8[Tensor, "n 3 pixel_row pixel_col"]
-    """The lowest row first."""
-
-    def __len__(self) -> int:
-        return len(self.pictures)
-
-    def batch(self, numbers: Tensor) -> "Worn":
-        """Some of them."""
-        return Worn(self.latents[numbers], self.spread[numbers], self.pictures[numbers])
-
-    def to(self, device: torch.device) -> "Worn":
-        """The same on another device."""
-        return Worn(self.latents.to(device), self.spread.to(device), self.pictures.to(device))
-
-    def seen(self) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
-        """Colours from 0 to 1."""
-        return self.pictures.float() / 255
+    """RGB from 0 to 255, the lowest row of pixels first."""
 
 
-def worn(album: Album, encode: Encode) -> Worn:
-    """The garments of an album in a latent space."""
-    latents, spread = encode(album)
-    return Worn(latents, spread, album.garments.pictures)
+def encode_split(split: ImageSplit, encode: SplitEncoder) -> LatentImages:
+    """Encode the garments of a split with a trained VAE."""
+    latents, spread = encode(split)
+    return LatentImages(latents, spread, split.garments.pictures)
 
 
-def latents_of(vae: Path) -> Encode:
-    """How a trained VAE, of GarmentImages or of vectors, encodes garments.
+def split_encoder(vae: Path) -> SplitEncoder:
+    """The encoder of a trained VAE, of GarmentImages or of vectors.
 
     Args:
         vae: folder of the network.
 
     Raises:
-        LearnError: the folder holds neither.
+        LearnError: the folder holds no VAE.
     """
     try:
         is_vectors = "vertices" in json.loads((vae / "config.json").read_text(encoding="utf-8"))
@@ -76,20 +62,20 @@ def latents_of(vae: Path) -> Encode:
     return _of_rasters(load_weights(GarmentVAE, vae))
 
 
-def _of_rasters(model: GarmentVAE) -> Encode:
+def _of_rasters(model: GarmentVAE) -> SplitEncoder:
     @torch.no_grad()
-    def encode(album: Album) -> tuple[Tensor, Tensor]:
-        rasters = album.garments.rasters
+    def encode(split: ImageSplit) -> tuple[Tensor, Tensor]:
+        rasters = split.garments.rasters
         parts = torch.arange(len(rasters)).split(256)
         return _joined([model.encode(rasters.batch(part).inputs()) for part in parts])
 
     return encode
 
 
-def _of_vectors(model: VectorVAE, words: Vocabulary) -> Encode:
+def _of_vectors(model: VectorVAE, words: Vocabulary) -> SplitEncoder:
     @torch.no_grad()
-    def encode(album: Album) -> tuple[Tensor, Tensor]:
-        found = vectors(parse_patterns(album.patterns, "the dataset"), words)
+    def encode(split: ImageSplit) -> tuple[Tensor, Tensor]:
+        found = to_vectors(parse_patterns(split.patterns, "the dataset"), words)
         parts = torch.arange(len(found)).split(256)
         return _joined([model.encode(found.batch(part)) for part in parts])
 
@@ -97,60 +83,51 @@ def _of_vectors(model: VectorVAE, words: Vocabulary) -> Encode:
 
 
 def _joined(parts: list[tuple[Tensor, Tensor]]) -> tuple[Tensor, Tensor]:
-    """Means and standard deviations, from means and log variances."""
-    means, logs = (torch.cat(each) for each in zip(*parts))
+    """Means and standard deviations, from batches of means and log variances."""
+    means, logs = (torch.cat(each) for each in zip(*parts, strict=True))
     return means, (0.5 * logs).exp()
 
 
-@dataclass  # not frozen either
-class Captioned:
-    """Pictures, and numbers of what may be said of them."""
+@dataclass
+class CaptionedImages(ImageRows):
+    """Images, and prompts that describe them."""
 
     pictures: UInt8[Tensor, "n 3 pixel_row pixel_col"]
-    """The lowest row first."""
-    wordings: Int[Tensor, "n wording"]
-    meanings: Float[Tensor, "meaning text"]
-    """Sentence vectors of all wordings."""
+    """RGB from 0 to 255, the lowest row of pixels first."""
+    prompts: Int[Tensor, "n prompt"]
+    """Rows of `text_embeddings`."""
+    text_embeddings: Float[Tensor, "text embedding"]
+    """Sentence embeddings of all prompts, each prompt once."""
 
-    def __len__(self) -> int:
-        return len(self.pictures)
-
-    def batch(self, numbers: Tensor) -> "Captioned":
-        """Some of them, each with one of its wordings."""
-        chosen = torch.randint(self.wordings.shape[1], (len(numbers),))
-        said = self.wordings[numbers, chosen]
-        return Captioned(self.pictures[numbers], said[:, None], self.meanings[said])
-
-    def to(self, device: torch.device) -> "Captioned":
-        """The same on another device."""
-        return Captioned(
-            self.pictures.to(device), self.wordings.to(device), self.meanings.to(device)
+    def batch(self, numbers: Tensor) -> "CaptionedImages":
+        """The rows of these numbers, each with one of its prompts, drawn at random."""
+        chosen = torch.randint(self.prompts.shape[1], (len(numbers),))
+        prompts = self.prompts[numbers, chosen]
+        return CaptionedImages(
+            self.pictures[numbers], prompts[:, None], self.text_embeddings[prompts]
         )
 
-    def seen(self) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
-        """Colours from 0 to 1."""
-        return self.pictures.float() / 255
 
-
-def read_captioned(folder: Path, split: str) -> Captioned:
-    """All pictures of a split, with wordings drawn from the parameters of their garments.
+def load_captioned(folder: Path, split: str) -> CaptionedImages:
+    """Load the images of a split, with prompts written from the parameters of their garments.
 
     Raises:
-        DatasetError: there is no such split, or it has no pictures from the front.
+        DatasetError: there is no such split, or it has no front views.
         LearnError: the sentence encoder is not installed.
     """
     pictures: list[np.ndarray] = []
-    said: list[list[str]] = []
-    for table in read_tables(folder, split, ["kind", "parameters", PICTURE]):
-        pictures += [pixels(each["bytes"]) for each in table[PICTURE].to_pylist()]
-        for kind, text in zip(table["kind"].to_pylist(), table["parameters"].to_pylist()):
-            random = np.random.default_rng([SEED, len(said)])
-            given = json.loads(text)
-            said.append([random_prompt(kind, given, random) for _ in range(WORDINGS)])
-    every = sorted({wording for wordings in said for wording in wordings})
-    numbers = {wording: k for k, wording in enumerate(every)}
-    return Captioned(
+    prompts: list[list[str]] = []
+    for table in read_tables(folder, split, ["kind", "parameters", PICTURE_COLUMN]):
+        pictures += [read_pixels(each["bytes"]) for each in table[PICTURE_COLUMN].to_pylist()]
+        columns = (table[name].to_pylist() for name in ("kind", "parameters"))
+        for kind, text in zip(*columns, strict=True):
+            random = np.random.default_rng([PROMPT_SEED, len(prompts)])
+            parameters = json.loads(text)
+            prompts.append([random_prompt(kind, parameters, random) for _ in range(PROMPTS_PER_GARMENT)])
+    distinct = sorted({prompt for each in prompts for prompt in each})
+    numbers = {prompt: k for k, prompt in enumerate(distinct)}
+    return CaptionedImages(
         torch.from_numpy(np.stack(pictures)),
-        torch.tensor([[numbers[wording] for wording in wordings] for wordings in said]),
-        torch.from_numpy(embedded(every)),
+        torch.tensor([[numbers[prompt] for prompt in each] for each in prompts]),
+        torch.from_numpy(embed_texts(distinct)),
     )

@@ -1,10 +1,10 @@
-"""Patterns as vectors: the baseline's representation (paper, Section 4.1 and supplement).
+"""Patterns as vectors: the representation of the baseline (paper, Section 4.1 and supplement).
 
 A garment is a fixed list of panel kinds, by name, each with up to so many vertices of four numbers:
-x and y of the vertex, and where the control point of the edge that leaves it lies, along the edge
-and beside it. As in the paper, stitches and places are not in the vectors: a decoded garment takes
-them from the nearest topology that was trained on. What the paper leaves open is which vertices are
-there; here each has a flag.
+x and y of the vertex, and the control point of the edge that leaves it, along the edge and to its
+left, relative to its middle and length. As in the paper, stitches and placements are not encoded: a
+decoded garment takes them from the nearest topology of the training set. The paper leaves open
+which vertices exist; here each has a presence flag.
 """
 
 import json
@@ -20,25 +20,26 @@ from torch import Tensor
 
 from garmentimage.dataset import parse_patterns, read_tables
 from garmentimage.errors import DecodeError, LearnError, quoted
+from garmentimage.learn.data.rows import TensorRows
 from garmentimage.pattern import Cubic, Edge, Loop, Panel, Pattern, Quadratic, Side, Stitch, Vector
 from garmentimage.system import shown_path
 
 UNIT_CM = 30.0
-"""Unit of coordinates."""
-STRAIGHTEST = 0.02
-"""Edges whose control point is nearer to their middle, in their length, are straight."""
-WORDS = "words.json"
-"""File of the vocabulary, beside the weights of a network."""
-NUMBERS = 4
-"""Of a vertex."""
+"""Unit of coordinates [cm]."""
+STRAIGHT_TOLERANCE = 0.02
+"""Edges whose control point is nearer to their middle are straight [edge lengths]."""
+VOCABULARY_FILE = "words.json"
+"""File of the vocabulary, in the folder of a network."""
+VERTEX_SIZE = 4
+"""Numbers of a vertex."""
 
 Topology = tuple[tuple[str, int], ...]
-"""Panels by name, and how many vertices each has."""
+"""Panels by name, and the number of vertices of each."""
 
 
 @dataclass(frozen=True)
-class Known:
-    """What vectors do not tell of a topology: where its panels are, and how they are sewn."""
+class KnownTopology:
+    """Placements and stitches of a topology, which vectors do not encode."""
 
     places: dict[str, tuple[Vector, Vector]]
     """Translation [cm] and rotation [degrees] of every panel."""
@@ -47,42 +48,46 @@ class Known:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """Panel kinds, and topologies that were trained on."""
+    """Panel kinds and topologies of a training set."""
 
     panels: tuple[str, ...]
+    """Names, one a row of the vectors."""
     vertices: int
-    topologies: dict[Topology, Known]
+    """Most vertices of a panel."""
+    topologies: dict[Topology, KnownTopology]
 
     def vectors(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers [panel, vertex, 4], and which vertices are there.
+        """Numbers [panel, vertex, 4] of a garment, and which vertices are present [panel, vertex].
 
         Raises:
-            LearnError: a panel that is of no known kind, has holes, or has too many vertices.
+            LearnError: a panel of another kind, with holes, or with too many vertices.
         """
-        numbers = np.zeros((len(self.panels), self.vertices, NUMBERS), np.float32)
-        there = np.zeros(numbers.shape[:2], bool)
+        numbers = np.zeros((len(self.panels), self.vertices, VERTEX_SIZE), np.float32)
+        is_present = np.zeros(numbers.shape[:2], bool)
         for panel in pattern.panels:
             count = len(panel.outline.vertices)
             if panel.name not in self.panels or panel.holes or count > self.vertices:
                 raise LearnError(
-                    f"panel {quoted(panel.name)} cannot be told in vectors of {self.vertices} "
+                    f"panel {quoted(panel.name)} cannot be encoded as vectors of {self.vertices} "
                     f"vertices of {', '.join(self.panels)}"
                 )
             row = self.panels.index(panel.name)
             numbers[row, :count] = _numbers(panel)
-            there[row, :count] = True
-        return numbers, there
+            is_present[row, :count] = True
+        return numbers, is_present
 
     def pattern(
-        self, numbers: Float[np.ndarray, "panel vertex 4"], there: Bool[np.ndarray, "panel vertex"]
+        self,
+        numbers: Float[np.ndarray, "panel vertex 4"],
+        is_present: Bool[np.ndarray, "panel vertex"],
     ) -> Pattern:
-        """The garment that vectors tell, sewn and placed as the nearest known topology.
+        """The pattern of vectors, sewn and placed as the nearest topology of the training set.
 
         Raises:
-            DecodeError: no panel is there.
+            DecodeError: no panel has three vertices.
         """
-        counts = np.where(there.all(1), self.vertices, there.argmin(1))
-        found = {name: int(n) for name, n in zip(self.panels, counts) if n >= 3}
+        counts = np.where(is_present.all(1), self.vertices, is_present.argmin(1))
+        found = {name: int(n) for name, n in zip(self.panels, counts, strict=True) if n >= 3}
         if not found:
             raise DecodeError("the vectors hold no panel")
         known = self.topologies[self.nearest(found)]
@@ -99,7 +104,7 @@ class Vocabulary:
         return Pattern(tuple(panels), stitches)
 
     def to_json(self) -> str:
-        """All of it as text; see `vocabulary_from_json`."""
+        """As JSON; `vocabulary_from_json` reads it."""
         topologies = [
             {
                 "vertices": dict(topology),
@@ -116,40 +121,29 @@ class Vocabulary:
         )
 
     def nearest(self, found: dict[str, int]) -> Topology:
-        """The known topology that shares most panels, then most numbers of vertices."""
+        """The topology with the fewest other panels, then with the nearest numbers of vertices."""
 
-        def apart(topology: Topology) -> tuple[int, int, Topology]:
+        def distance(topology: Topology) -> tuple[int, int, Topology]:
             other = dict(topology)
             vertices = sum(abs(other[name] - n) for name, n in found.items() if name in other)
             return len(found.keys() ^ other.keys()), vertices, topology
 
-        return min(self.topologies, key=apart)
+        return min(self.topologies, key=distance)
 
 
-@dataclass  # not frozen: Fabric casts its fields where precision is mixed
-class Vectors:
+@dataclass
+class PatternVectors(TensorRows):
     """The vectors of some garments."""
 
     numbers: Float[Tensor, "n panel vertex 4"]
-    there: Bool[Tensor, "n panel vertex"]
-
-    def __len__(self) -> int:
-        return len(self.numbers)
-
-    def batch(self, numbers: Tensor) -> "Vectors":
-        """Some of them."""
-        return Vectors(self.numbers[numbers], self.there[numbers])
-
-    def to(self, device: torch.device) -> "Vectors":
-        """The same on another device."""
-        return Vectors(self.numbers.to(device), self.there.to(device))
+    is_present: Bool[Tensor, "n panel vertex"]
 
 
 def read_patterns(folder: str | Path, split: str) -> list[Pattern]:
-    """All patterns of a split.
+    """Load the patterns of a split.
 
     Raises:
-        DatasetError: there is no such split, or a pattern of it is damaged.
+        DatasetError: there is no such split, or one of its patterns is damaged.
     """
     texts = [
         text
@@ -159,60 +153,60 @@ def read_patterns(folder: str | Path, split: str) -> list[Pattern]:
     return parse_patterns(texts, folder)
 
 
-def vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:
-    """The panel kinds and topologies of some garments; of each topology its commonest stitches."""
+def build_vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:
+    """Panel kinds and topologies of some garments; of each topology its most frequent stitches."""
     names = sorted({panel.name for pattern in patterns for panel in pattern.panels})
     most = max(len(panel.outline.vertices) for pattern in patterns for panel in pattern.panels)
     seams: dict[Topology, Counter[tuple[tuple[Side, Side, bool], ...]]] = {}
     places: dict[Topology, dict[str, tuple[Vector, Vector]]] = {}
     for pattern in patterns:
-        topology = topology_of(pattern)
+        topology = vertex_counts(pattern)
         seams.setdefault(topology, Counter())[
             tuple((s.a, s.b, s.same_direction) for s in pattern.stitches)
         ] += 1
         places.setdefault(
             topology, {panel.name: (panel.translation, panel.rotation) for panel in pattern.panels}
         )
-    known = {
-        topology: Known(
+    topologies = {
+        topology: KnownTopology(
             places[topology], tuple(Stitch(*sides) for sides in counter.most_common(1)[0][0])
         )
         for topology, counter in seams.items()
     }
-    return Vocabulary(tuple(names), most, known)
+    return Vocabulary(tuple(names), most, topologies)
 
 
 def vocabulary_from_json(text: str) -> Vocabulary:
-    """A vocabulary that was written as text.
+    """Read a vocabulary from JSON.
 
     Raises:
-        ValueError, KeyError, TypeError: it is none.
+        ValueError, KeyError, TypeError: the text holds no vocabulary.
     """
-    told = json.loads(text)
+    content = json.loads(text)
     topologies = {}
-    for each in told["topologies"]:
+    for each in content["topologies"]:
         places = {name: (_three(a), _three(b)) for name, (a, b) in each["places"].items()}
         stitches = tuple(
             Stitch(Side(str(p), int(i)), Side(str(q), int(j)), bool(same))
             for p, i, q, j, same in each["stitches"]
         )
         vertices = tuple(sorted((str(n), int(count)) for n, count in each["vertices"].items()))
-        topologies[vertices] = Known(places, stitches)
-    return Vocabulary(tuple(map(str, told["panels"])), int(told["vertices"]), topologies)
+        topologies[vertices] = KnownTopology(places, stitches)
+    return Vocabulary(tuple(map(str, content["panels"])), int(content["vertices"]), topologies)
 
 
 def read_vocabulary(network: Path) -> Vocabulary:
     """The vocabulary of a trained network, from its folder.
 
     Raises:
-        LearnError: it is not there, or damaged.
+        LearnError: its file is missing or damaged.
     """
-    file = network / WORDS
+    file = network / VOCABULARY_FILE
     try:
         return vocabulary_from_json(file.read_text(encoding="utf-8"))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise LearnError(
-            f"{shown_path(file)}: is not there, or damaged; `garmentimage train vector-vae` writes "
+            f"{shown_path(file)}: is missing or damaged; `garmentimage train vector-vae` writes "
             "it with the network"
         ) from None
 
@@ -222,17 +216,17 @@ def _three(values: Sequence[float]) -> Vector:
     return x, y, z
 
 
-def vectors(patterns: Sequence[Pattern], words: Vocabulary) -> Vectors:
+def to_vectors(patterns: Sequence[Pattern], vocabulary: Vocabulary) -> PatternVectors:
     """The vectors of some garments."""
-    made = [words.vectors(pattern) for pattern in patterns]
-    return Vectors(
-        torch.from_numpy(np.stack([numbers for numbers, _ in made])),
-        torch.from_numpy(np.stack([there for _, there in made])),
+    rows = [vocabulary.vectors(pattern) for pattern in patterns]
+    return PatternVectors(
+        torch.from_numpy(np.stack([numbers for numbers, _ in rows])),
+        torch.from_numpy(np.stack([is_present for _, is_present in rows])),
     )
 
 
-def topology_of(pattern: Pattern) -> Topology:
-    """Panels by name, and how many vertices each has."""
+def vertex_counts(pattern: Pattern) -> Topology:
+    """Panels by name, and the number of vertices of each."""
     return tuple(sorted((panel.name, len(panel.outline.vertices)) for panel in pattern.panels))
 
 
@@ -246,7 +240,7 @@ def _numbers(panel: Panel) -> Float[np.ndarray, "vertex 4"]:
 
 
 def _bend(edge: Edge) -> tuple[float, float]:
-    """Where the control point of the nearest quadratic curve lies from the middle of the edge."""
+    """Control point of the nearest quadratic curve, from the middle of the edge [edge lengths]."""
     match edge.curvature:
         case None:
             return 0.0, 0.0
@@ -261,7 +255,7 @@ def _outline(numbers: Float[np.ndarray, "vertex 4"]) -> Loop:
     count = len(numbers)
     edges = []
     for k, (along, beside) in enumerate(numbers[:, 2:].astype(float)):
-        straight = np.hypot(along, beside) < STRAIGHTEST
+        straight = np.hypot(along, beside) < STRAIGHT_TOLERANCE
         bend = None if straight else Quadratic((float(along) + 0.5, float(beside)))
         edges.append(Edge(k, (k + 1) % count, bend))
     xy = numbers[:, :2].astype(float) * UNIT_CM

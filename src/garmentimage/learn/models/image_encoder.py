@@ -1,4 +1,4 @@
-"""What looks at the pictures for the baselines: a small encoder, or a ResNet from disk."""
+"""Image encoders of the baselines: a small one, or a pretrained ResNet from disk."""
 
 from pathlib import Path
 from typing import Any
@@ -9,98 +9,99 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from garmentimage.errors import LearnError
-from garmentimage.learn.models.unet import FOLD, Block
+from garmentimage.learn.blocks import ResidualBlock
+from garmentimage.learn.models.unet import PATCH
 from garmentimage.system import shown_path
 
 WIDTHS = (64, 96, 128)
-"""Channels at a quarter, an eighth and a sixteenth of the picture's size."""
-NARROW = 32
-"""Channels of the picture's places that become one vector."""
+"""Channels at a quarter, an eighth and a sixteenth of the image's resolution."""
+GLOBAL_CHANNELS = 32
+"""Channels of the feature map before it is flattened to one vector."""
 
 
-class Seer(nn.Module):
-    """A picture to features of its places: one in sixteen pixels a side."""
+class ImageEncoder(nn.Module):
+    """An image to a feature map with a position for 16 x 16 pixels."""
 
     width, pixels = WIDTHS[-1], 16
 
     def __init__(self) -> None:
         super().__init__()
-        self.take = nn.Conv2d(3 * FOLD**2, WIDTHS[0], 1)
+        self.stem = nn.Conv2d(3 * PATCH**2, WIDTHS[0], 1)
         self.layers = nn.Sequential()
         for level, width in enumerate(WIDTHS):
             if level:
                 self.layers.append(nn.Conv2d(WIDTHS[level - 1], width, 3, 2, 1))
-            self.layers.append(Block(width))
+            self.layers.append(ResidualBlock(width))
 
     def forward(
-        self, picture: Float[Tensor, "n 3 pixel_row pixel_col"]
+        self, image: Float[Tensor, "n 3 pixel_row pixel_col"]
     ) -> Float[Tensor, "n channel row col"]:
-        """Features of a picture whose colours are from 0 to 1."""
-        return self.layers(self.take(functional.pixel_unshuffle(picture - 0.5, FOLD)))
+        """The feature map of an image with colours from 0 to 1."""
+        return self.layers(self.stem(functional.pixel_unshuffle(image - 0.5, PATCH)))
 
 
-class Whole(nn.Sequential):
-    """Features of places to one vector of the whole picture.
+class GlobalFeatures(nn.Sequential):
+    """A feature map to one vector of the whole image.
 
-    Each of its numbers is standardised over a batch: pictures of worn garments are nearly the same,
-    and a network that is given features as they come learns the mean garment and little else.
+    Batch normalisation standardises the vector: images of worn garments are nearly the same, and
+    networks on raw features learn the mean garment and little else.
 
     Args:
-        channels: of the features.
-        cells: places a side.
-        width: numbers of the vector.
+        channels: of the feature map.
+        cells: positions a side.
+        width: length of the vector.
     """
 
     def __init__(self, channels: int, cells: int, width: int) -> None:
         super().__init__(
-            nn.Conv2d(channels, NARROW, 1),
+            nn.Conv2d(channels, GLOBAL_CHANNELS, 1),
             nn.Flatten(),
-            nn.Linear(NARROW * cells * cells, width),
+            nn.Linear(GLOBAL_CHANNELS * cells * cells, width),
             nn.BatchNorm1d(width),
         )
 
 
-class ResNetSeer(nn.Module):
-    """The same of a ResNet (He et al. 2016), one in 32 pixels a side.
+class ResNetEncoder(nn.Module):
+    """A ResNet (He et al. 2016): an image to a feature map with a position for 32 x 32 pixels.
 
     Args:
-        config: as `transformers` keeps it.
+        config: as `transformers` saves it.
     """
 
     pixels = 32
     mean: Tensor
-    spread: Tensor
+    std: Tensor
 
     def __init__(self, config: dict[str, Any]) -> None:
         from transformers import ResNetConfig, ResNetModel
 
         super().__init__()
-        made = ResNetConfig.from_dict(config)
-        self.net = ResNetModel(made)
-        self.width = int((made.hidden_sizes or [0])[-1])
-        # What pictures of ImageNet were standardised by.
+        resnet_config = ResNetConfig.from_dict(config)
+        self.resnet = ResNetModel(resnet_config)
+        self.width = int((resnet_config.hidden_sizes or [0])[-1])
+        # Mean and standard deviation of ImageNet, by which its networks standardise images.
         self.register_buffer("mean", torch.tensor([0.485, 0.456, 0.406])[:, None, None])
-        self.register_buffer("spread", torch.tensor([0.229, 0.224, 0.225])[:, None, None])
+        self.register_buffer("std", torch.tensor([0.229, 0.224, 0.225])[:, None, None])
 
     def forward(
-        self, picture: Float[Tensor, "n 3 pixel_row pixel_col"]
+        self, image: Float[Tensor, "n 3 pixel_row pixel_col"]
     ) -> Float[Tensor, "n channel row col"]:
-        """Features of a picture whose colours are from 0 to 1, its lowest row first."""
-        upright = (picture.flip(2) - self.mean) / self.spread
-        found: Tensor = self.net(pixel_values=upright).last_hidden_state
+        """The feature map of an image with colours from 0 to 1, the lowest row first."""
+        upright = (image.flip(2) - self.mean) / self.std
+        found: Tensor = self.resnet(pixel_values=upright).last_hidden_state
         return found.flip(2)
 
 
-def seer(resnet: dict[str, Any] | None) -> Seer | ResNetSeer:
-    """A new one: a ResNet of this configuration, or the small one."""
-    return Seer() if resnet is None else ResNetSeer(resnet)
+def make_image_encoder(resnet: dict[str, Any] | None) -> ImageEncoder | ResNetEncoder:
+    """A new encoder: a ResNet of this configuration, or the small one for None."""
+    return ImageEncoder() if resnet is None else ResNetEncoder(resnet)
 
 
 def read_resnet(folder: Path) -> Any:
     """A ResNet that `transformers` saved, such as `microsoft/resnet-50`.
 
     Raises:
-        LearnError: `transformers` is not installed, or the folder holds none.
+        LearnError: `transformers` is not installed, or the folder holds no ResNet.
     """
     try:
         from transformers import ResNetModel
@@ -113,7 +114,7 @@ def read_resnet(folder: Path) -> Any:
         )
     try:
         return ResNetModel.from_pretrained(folder, local_files_only=True, use_safetensors=True)
-    except Exception as error:  # What may go wrong spans three libraries.
+    except Exception as error:  # Three libraries may raise errors of their own here.
         raise LearnError(
             f"{shown_path(folder)}: holds no ResNet that can be read ({type(error).__name__})"
         ) from None

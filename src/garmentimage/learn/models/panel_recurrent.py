@@ -1,59 +1,63 @@
-"""A baseline in the way of NeuralTailor (Korosteleva and Lee 2022): recurrent decoders of panels.
+"""A baseline after NeuralTailor (Korosteleva and Lee 2022): recurrent decoders of panels.
 
-The whole picture becomes one vector; a recurrent network unrolls it into a vector for each slot,
-and another unrolls each of these into the edges of its panel. As where the GarmentImage paper
-compares with it, pictures are encoded, not point clouds. Tags of stitches come with the edges.
+One vector of the whole image is unrolled by an LSTM into a vector for each slot, and each of these
+by another LSTM into the edges of its panel, with their stitch tags. Input are images, not point
+clouds, as where the GarmentImage paper compares with NeuralTailor.
 """
 
-import torch
 from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
-from garmentimage.learn.data import (
-    NUMBERS_A_PLACE,
-    NUMBERS_AN_EDGE,
-    PicturedSlots,
-    SlotConfig,
-    SlotOutputs,
-    Usual,
-    asked_losses,
-    in_slots,
-    quiet,
+from garmentimage.learn.blocks import zero_init
+from garmentimage.learn.data import EDGE_SIZE, PLACEMENT_SIZE, ImagedSlots, SlotConfig, SlotOutputs
+from garmentimage.learn.models.image_encoder import GlobalFeatures, make_image_encoder
+from garmentimage.learn.models.slot_heads import (
+    OutputPrior,
+    all_slots,
+    sampled_losses,
+    scatter_to_slots,
 )
-from garmentimage.learn.models.image_encoder import Whole, seer
 
 
 class PanelRecurrent(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
-    """Pictures to patterns in slots."""
+    """Images to patterns in slots."""
 
     def __init__(self, config: SlotConfig) -> None:
         super().__init__()
         self.config = config
         width = config.width
-        self.see = seer(config.resnet)
-        self.whole = Whole(self.see.width, config.picture // self.see.pixels, width)
+        self.image_encoder = make_image_encoder(config.resnet)
+        cells = config.picture // self.image_encoder.pixels
+        self.global_features = GlobalFeatures(self.image_encoder.width, cells, width)
         self.panels = nn.LSTM(width, width, config.layers, batch_first=True)
         self.edges = nn.LSTM(width, width, config.layers, batch_first=True)
-        self.to_place = quiet(nn.Linear(width, NUMBERS_A_PLACE))
-        self.to_edge = quiet(nn.Linear(width, NUMBERS_AN_EDGE))
-        self.usual = Usual(config)
+        self.placement_head = zero_init(nn.Linear(width, PLACEMENT_SIZE))
+        self.edge_head = zero_init(nn.Linear(width, EDGE_SIZE))
+        self.output_prior = OutputPrior(config)
 
-    def forward(self, batch: PicturedSlots) -> dict[str, Tensor]:
-        """The whole loss, and what it is made of."""
-        return asked_losses(self.predict, batch)
+    def forward(self, batch: ImagedSlots) -> dict[str, Tensor]:
+        """Losses, see `sampled_losses`."""
+        return sampled_losses(self.predict, batch)
 
     def predict(
         self,
-        seen: Float[Tensor, "n 3 pixel_row pixel_col"],
-        which: Bool[Tensor, "n slot"] | None = None,
+        images: Float[Tensor, "n 3 pixel_row pixel_col"],
+        chosen: Bool[Tensor, "n slot"] | None = None,
     ) -> SlotOutputs:
-        """Patterns of pictures; edges of slots that are not asked for are as usual."""
+        """Patterns of images with colours from 0 to 1.
+
+        Args:
+            images: the images.
+            chosen: slots whose edges are predicted; None for all. Others get the prior's edges.
+        """
         config = self.config
-        if which is None:
-            which = torch.ones(len(seen), len(config.names), dtype=torch.bool, device=seen.device)
-        whole = self.whole(self.see(seen))
+        if chosen is None:
+            chosen = all_slots(images, config)
+        whole = self.global_features(self.image_encoder(images))
         panels, _ = self.panels(whole[:, None].expand(-1, len(config.names), -1))
-        edges, _ = self.edges(panels[which][:, None].expand(-1, config.edges, -1))
-        found: SlotOutputs = self.usual(self.to_place(panels), in_slots(self.to_edge(edges), which))
+        edges, _ = self.edges(panels[chosen][:, None].expand(-1, config.edges, -1))
+        found: SlotOutputs = self.output_prior(
+            self.placement_head(panels), scatter_to_slots(self.edge_head(edges), chosen)
+        )
         return found

@@ -1,7 +1,12 @@
-"""A variational autoencoder of vectors: the paper's baseline, a transformer after Motionformer.
+"""A variational autoencoder of vectors: the baseline of the paper's Section 4.1, a transformer
+after Motionformer.
 
-Two learnt tokens beside those of the panels become mean and log variance (Petrovich et al. 2021);
-the decoder asks the latent vector with one learnt query a panel. It tells no stitches.
+As in ACTOR (Petrovich et al. 2021), two learnt tokens beside those of the panels become mean and
+log variance; in the decoder, a learnt query for each panel attends to the latent vector. Stitches
+are not encoded.
+
+Formulation (beta-VAE, Higgins et al. 2017): smooth L1 of the numbers of present vertices, binary
+cross-entropy of their presence, and beta times the Kullback-Leibler divergence from N(0, 1).
 """
 
 from dataclasses import dataclass
@@ -12,35 +17,42 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from garmentimage.learn.data import NUMBERS, Vectors
+from garmentimage.learn.data import VERTEX_SIZE, PatternVectors
+from garmentimage.learn.weights import NetworkConfig
 
 
 @dataclass(frozen=True)
-class VectorVAEConfig:
+class VectorVAEConfig(NetworkConfig):
     """Size of the network, and weights of its losses."""
 
     panels: int
+    """Panel kinds of the vocabulary."""
     vertices: int
+    """Most vertices of a panel."""
     latent: int = 32
+    """Length of a latent vector."""
     width: int = 128
+    """Of the transformer's tokens."""
     heads: int = 4
+    """Of its attention."""
     layers: int = 4
+    """Of the encoder and of the decoder."""
     beta: float = 2e-4
-    """Weight of the divergence from the prior, of a whole garment [nats]."""
+    """Weight of the divergence from the prior of a garment [nats]."""
     number_weight: float = 10.0
-    """Of coordinates, against whether vertices are there."""
+    """Weight of the loss of vertices, relative to that of their presence."""
 
 
 class VectorVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
-    """Vectors to latent vectors and back."""
+    """Vectors of patterns to latent vectors and back."""
 
     def __init__(self, config: VectorVAEConfig) -> None:
         super().__init__()
         self.config = config
-        width, values = config.width, config.vertices * (NUMBERS + 1)
+        width, values = config.width, config.vertices * (VERTEX_SIZE + 1)
         self.embed = nn.Linear(values, width)
-        self.kinds = nn.Parameter(torch.randn(config.panels, width) * 0.1)
-        self.asked = nn.Parameter(torch.randn(2, width) * 0.1)
+        self.panel_embedding = nn.Parameter(torch.randn(config.panels, width) * 0.1)
+        self.distribution_tokens = nn.Parameter(torch.randn(2, width) * 0.1)
         self.encoder = nn.TransformerEncoder(
             nn.TransformerEncoderLayer(
                 width, config.heads, 4 * width, 0.0, "gelu", batch_first=True, norm_first=True
@@ -57,44 +69,46 @@ class VectorVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", li
             ),
             config.layers,
         )
-        self.out = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, values))
+        self.head = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, values))
 
-    def encode(self, batch: Vectors) -> tuple[Tensor, Tensor]:
-        """Mean and log variance of the latent vectors, each [n, latent]."""
-        flags = batch.there[..., None].float()
+    def encode(self, batch: PatternVectors) -> tuple[Tensor, Tensor]:
+        """Mean and log variance of the posterior, each [n, latent]."""
+        flags = batch.is_present[..., None].float()
         values = torch.cat([batch.numbers, flags], 3).flatten(2)
-        tokens = self.embed(values) + self.kinds
-        asked = self.asked.expand(len(tokens), -1, -1)
-        made = self.encoder(torch.cat([asked, tokens], 1))
-        return self.to_mean(made[:, 0]), self.to_log_variance(made[:, 1]).clamp(-12, 4)
+        tokens = self.embed(values) + self.panel_embedding
+        distribution = self.distribution_tokens.expand(len(tokens), -1, -1)
+        outputs = self.encoder(torch.cat([distribution, tokens], 1))
+        return self.to_mean(outputs[:, 0]), self.to_log_variance(outputs[:, 1]).clamp(-12, 4)
 
     def decode(
         self, z: Float[Tensor, "n latent"]
     ) -> tuple[Float[Tensor, "n panel vertex 4"], Float[Tensor, "n panel vertex"]]:
-        """Numbers, and logits of whether each vertex is there."""
+        """Numbers of vertices, and logits of their presence."""
         memory = self.from_latent(z)[:, None]
         queries = self.queries.expand(len(z), -1, -1) + memory
-        values = self.out(self.decoder(queries, memory))
-        values = values.unflatten(2, (self.config.vertices, NUMBERS + 1))
-        return values[..., :NUMBERS], values[..., NUMBERS]
+        values = self.head(self.decoder(queries, memory))
+        values = values.unflatten(2, (self.config.vertices, VERTEX_SIZE + 1))
+        return values[..., :VERTEX_SIZE], values[..., VERTEX_SIZE]
 
-    def forward(self, batch: Vectors) -> dict[str, Tensor]:
-        """The whole loss, and what it is made of, of a batch with noise on its latent vectors."""
+    def forward(self, batch: PatternVectors) -> dict[str, Tensor]:
+        """Losses of a batch, decoded from latent vectors sampled from its posterior."""
         mean, log_variance = self.encode(batch)
         z = mean + torch.randn_like(mean) * (log_variance / 2).exp()
-        numbers, there = self.decode(z)
-        known = batch.there[..., None].float()
-        apart = functional.smooth_l1_loss(
-            numbers * known, batch.numbers * known, beta=0.01, reduction="sum"
+        numbers, presence = self.decode(z)
+        mask = batch.is_present[..., None].float()
+        differences = functional.smooth_l1_loss(
+            numbers * mask, batch.numbers * mask, beta=0.01, reduction="sum"
         )
         parts = {
-            "numbers": apart / known.sum() / NUMBERS,
-            "there": functional.binary_cross_entropy_with_logits(there, batch.there.float()),
+            "numbers": differences / mask.sum() / VERTEX_SIZE,
+            "presence": functional.binary_cross_entropy_with_logits(
+                presence, batch.is_present.float()
+            ),
             "divergence": 0.5 * (mean**2 + log_variance.exp() - 1 - log_variance).sum(1).mean(),
         }
         parts["loss"] = (
             self.config.number_weight * parts["numbers"]
-            + parts["there"]
+            + parts["presence"]
             + self.config.beta * parts["divergence"]
         )
         return parts
