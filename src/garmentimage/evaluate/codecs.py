@@ -11,7 +11,7 @@ from jaxtyping import Float32
 from garmentimage.compare import validity
 from garmentimage.errors import DecodeError
 from garmentimage.latent import LatentSpace
-from garmentimage.networks import Latent, DecodedGarment, decoded_garment
+from garmentimage.networks import DecodedGarment, Latent, decoded_garment
 from garmentimage.pattern import Pattern
 from garmentimage.raster import join_channels, split_channels
 from garmentimage.raster.encode import encode

@@ -43,10 +43,15 @@ def edit_picture(codecs: Mapping[str, Codec], triplet: Triplet) -> UInt8[np.ndar
         a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
         edited = edit(codec, a, b, c)
         columns = [
-            draped_frame(title, codec.decode(z)) for title, z in {f"{name}: A": a, "B": b, "C": c}.items()
+            draped_frame(title, codec.decode(z))
+            for title, z in {f"{name}: A": a, "B": b, "C": c}.items()
         ]
         columns.append(draped_frame(edited.title, edited.garment))
-        rows.append(strip([*columns, draped_frame("wanted", DecodedGarment(a, None, None, triplet.truth, ()))]))
+        rows.append(
+            strip(
+                [*columns, draped_frame("wanted", DecodedGarment(a, None, None, triplet.truth, ()))]
+            )
+        )
     return np.concatenate(rows)
 
 
@@ -91,7 +96,9 @@ def text_edits_picture(
         for editor in editors:
             if editor.kind in ("raster", "vectors"):
                 columns.append(
-                    draped_frame(f"{prompt}: {editor.kind}", _step(*apply_edit(editor, start, prompt)))
+                    draped_frame(
+                        f"{prompt}: {editor.kind}", _step(*apply_edit(editor, start, prompt))
+                    )
                 )
         rows.append(strip(columns))
     return np.concatenate(rows)

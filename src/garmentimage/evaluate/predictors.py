@@ -142,9 +142,7 @@ class _TeacherForced:
 
         garment = album.garments.batch(torch.tensor([number]))
         with torch.no_grad():
-            channels = self.model.predict(
-                garment.images(), garment.rasters, self.given
-            )
+            channels = self.model.predict(garment.images(), garment.rasters, self.given)
         return _from_channels(channels[0].numpy(), self.level)
 
 

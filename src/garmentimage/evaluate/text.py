@@ -178,7 +178,9 @@ def summarise_edits(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return summary
 
 
-def _best_edit(editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern, text: str) -> DecodedGarment:
+def _best_edit(
+    editing: EditMethod, codec: Codec, z: np.ndarray, start: Pattern, text: str
+) -> DecodedGarment:
     torch.set_num_threads(1)
     guidance, _ = denoiser_guidance(editing.denoiser, text)
     target_prompt, source_prompt = edit_prompts(start, text)

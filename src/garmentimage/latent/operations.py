@@ -154,7 +154,9 @@ def generate(
     """
     types = tuple(sorted(set(space.garments.types)))
     if type_name is not None and type_name not in types:
-        raise LearnError(f"the network knows no type {quoted(type_name)}; {did_you_mean(type_name, types)}")
+        raise LearnError(
+            f"the network knows no type {quoted(type_name)}; {did_you_mean(type_name, types)}"
+        )
     if not 1 <= count <= MAX_GARMENTS or seed < 0:
         raise LearnError(
             f"{count} garments of seed {seed}; give 1 to {MAX_GARMENTS}, and a seed from 0"
@@ -186,7 +188,9 @@ def nearest(space: LatentSpace, source: Source, count: int = 5) -> list[tuple[st
         (
             space.garments.ids[k],
             float(apart[k]),
-            draft_garment(task_from_id(chosen, space.garments.ids[k], int(space.config["seed"]))).pattern,
+            draft_garment(
+                task_from_id(chosen, space.garments.ids[k], int(space.config["seed"]))
+            ).pattern,
         )
         for k in found
     ]

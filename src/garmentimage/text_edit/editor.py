@@ -15,7 +15,7 @@ from garmentimage.latent import LatentSpace, space_names
 from garmentimage.learn import load_weights
 from garmentimage.learn.models import ImageDecoder
 from garmentimage.metrics import EditedRegion
-from garmentimage.networks import Latent, DecodedGarment, network_folder, bundled_names
+from garmentimage.networks import DecodedGarment, Latent, bundled_names, network_folder
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage
 from garmentimage.system import shown_path, weights_hash

@@ -91,7 +91,9 @@ def load_split(folder: str | Path, split: str, *, without: Collection[str] = ())
     known = shard_metadata(shard_files(folder, split)[0]).types
     for name in without:
         if name not in known:
-            raise DatasetError(f"the dataset has no type {quoted(name)}; {did_you_mean(name, known)}")
+            raise DatasetError(
+                f"the dataset has no type {quoted(name)}; {did_you_mean(name, known)}"
+            )
     for table in read_tables(folder, split, [*columns, "raster", PICTURE_COLUMN, PANELS_COLUMN]):
         kinds = table["type"].to_pylist()
         kept = [k for k, name in enumerate(kinds) if name not in without]

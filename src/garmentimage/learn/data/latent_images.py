@@ -123,7 +123,9 @@ def load_captioned(folder: Path, split: str) -> CaptionedImages:
         for kind, text in zip(*columns, strict=True):
             random = np.random.default_rng([PROMPT_SEED, len(prompts)])
             parameters = json.loads(text)
-            prompts.append([random_prompt(kind, parameters, random) for _ in range(PROMPTS_PER_GARMENT)])
+            prompts.append(
+                [random_prompt(kind, parameters, random) for _ in range(PROMPTS_PER_GARMENT)]
+            )
     distinct = sorted({prompt for each in prompts for prompt in each})
     numbers = {prompt: k for k, prompt in enumerate(distinct)}
     return CaptionedImages(
