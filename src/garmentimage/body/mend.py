@@ -24,7 +24,7 @@ was written with two sides."""
 
 Points = Float[np.ndarray, "vertex 3"]
 Faces = Int[np.ndarray, "face 3"]
-Loops = list[Int[np.ndarray, " corner"]]
+Loops = list[Int[np.ndarray, " _"]]
 
 
 @dataclass(frozen=True, eq=False)

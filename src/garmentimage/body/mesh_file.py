@@ -124,7 +124,7 @@ def _used(count: int) -> str:
     return "only the largest is" if count == 1 else f"the {count} that are large are"
 
 
-def _check_rims(points: Points, standing: Points, rims: list[Int[np.ndarray, " corner"]]) -> None:
+def _check_rims(points: Points, standing: Points, rims: list[Int[np.ndarray, " _"]]) -> None:
     """Refuse holes that no cap can stand for.
 
     Args:

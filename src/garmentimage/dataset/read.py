@@ -128,7 +128,7 @@ def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
     return _read(file, lambda shard: shard.read_row_group(number, list(columns)))
 
 
-def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "layer 17 row col"]]:
+def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "_ 17 _ _"]]:
     """The rasters of some rows, without a Python object for every number.
 
     Raises:

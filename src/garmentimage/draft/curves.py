@@ -74,7 +74,7 @@ def _speeds(points: Float[np.ndarray, "*n k 2"]) -> Float[np.ndarray, "*n 16"]:
     return np.sqrt((velocity * velocity).sum(axis=-1))
 
 
-def _beziers(curves: Sequence[Curve]) -> list[tuple[list[int], Float[np.ndarray, "n k 2"]]]:
+def _beziers(curves: Sequence[Curve]) -> list[tuple[list[int], Float[np.ndarray, "_ _ 2"]]]:
     """Of each degree: which of the curves have it, and their control points [cm]."""
     numbers: dict[int, list[int]] = {degree: [] for degree in _DEGREES}
     points: dict[int, list[tuple[Point, ...]]] = {degree: [] for degree in _DEGREES}

@@ -32,7 +32,7 @@ class Cloth:
     """Number of the corner's panel in `pattern.panels`."""
     vertex: Int[np.ndarray, " corner"]
     """The vertex that the corner is sewn into."""
-    sides: Mapping[Side, Int[np.ndarray, " n"]]
+    sides: Mapping[Side, Int[np.ndarray, " _"]]
     """Corners along each edge of each panel, from its start to its end, both ends included."""
 
     @cached_property

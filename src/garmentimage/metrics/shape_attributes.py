@@ -98,7 +98,7 @@ def _middle(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
     return middle
 
 
-def _beside(outlines: Sequence[Float[np.ndarray, "n 2"]]) -> list[Float[np.ndarray, "n 2"]]:
+def _beside(outlines: Sequence[Float[np.ndarray, "_ 2"]]) -> list[Float[np.ndarray, "_ 2"]]:
     """Panels of the left and of the right moved apart where they lie on each other."""
     sides = [
         int(np.sign(x)) if abs(x := float(_middle(each)[0])) > SIDE else 0 for each in outlines
@@ -112,7 +112,7 @@ def _beside(outlines: Sequence[Float[np.ndarray, "n 2"]]) -> list[Float[np.ndarr
     return [each + np.array([side * move, 0.0]) for each, side in zip(outlines, sides)]
 
 
-def _cut(outlines: Sequence[Float[np.ndarray, "n 2"]], height: float) -> list[tuple[float, float]]:
+def _cut(outlines: Sequence[Float[np.ndarray, "_ 2"]], height: float) -> list[tuple[float, float]]:
     """Stretches of cloth at a height, from the right to the left of the wearer [cm]."""
     found = []
     for outline in outlines:
@@ -120,7 +120,7 @@ def _cut(outlines: Sequence[Float[np.ndarray, "n 2"]], height: float) -> list[tu
     return sorted(found)
 
 
-def _stacked(outlines: Sequence[Float[np.ndarray, "n 2"]], x: float) -> int:
+def _stacked(outlines: Sequence[Float[np.ndarray, "_ 2"]], x: float) -> int:
     """Panels that a line down the body crosses."""
     return sum(bool(_crossed(outline, axis=0, at=x)) for outline in outlines)
 

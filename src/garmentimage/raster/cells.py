@@ -58,7 +58,7 @@ class HalfEdges:
     """The half-edge that starts where this one ends, along the same loop."""
 
     @property
-    def loops(self) -> list[Int[np.ndarray, " n"]]:
+    def loops(self) -> list[Int[np.ndarray, " _"]]:
         """Closed chains of half-edges, cloth on their left; each starts at its first half-edge."""
         seen = np.zeros(len(self.cell), bool)
         following = self.following.tolist()

@@ -32,7 +32,7 @@ def corner_seams(cloth: Cloth) -> Int[np.ndarray, " corner"]:
     return seams
 
 
-def seam_vertices(cloth: Cloth) -> list[Int[np.ndarray, " n"]]:
+def seam_vertices(cloth: Cloth) -> list[Int[np.ndarray, " _"]]:
     """For every stitch its vertices, from the start of its first side to the end."""
     return [cloth.vertex[cloth.sides[stitch.a]] for stitch in cloth.pattern.stitches]
 

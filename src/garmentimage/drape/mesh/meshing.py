@@ -52,7 +52,7 @@ SHORT = 0.5
 CLOSED_PARTS = 3
 """Parts of a side whose ends are one vertex; three make a round opening."""
 
-Triangles = tuple[Float[np.ndarray, "point 2"], Int[np.ndarray, "face 3"]]
+Triangles = tuple[Float[np.ndarray, "_ 2"], Int[np.ndarray, "_ 3"]]
 """One panel's points and faces, counter-clockwise."""
 
 

@@ -66,7 +66,7 @@ def hang_skirts(
 
 def _tops(
     cloth: Cloth, placements: Sequence[Placement]
-) -> Mapping[int, tuple[Int[np.ndarray, " n"], float]]:
+) -> Mapping[int, tuple[Int[np.ndarray, " _"], float]]:
     """For the panels with a top edge at the waist, its corners and its level."""
     lines: dict[int, tuple[list[np.ndarray], float]] = {}
     for placement in placements:
@@ -100,7 +100,7 @@ def _round_seam(
     cloth: Cloth,
     corners: np.ndarray,
     panel: int,
-    tops: Mapping[int, tuple[Int[np.ndarray, " n"], float]],
+    tops: Mapping[int, tuple[Int[np.ndarray, " _"], float]],
 ) -> _Seam | None:
     """The seam, or the top edge, of a panel that is half of a circle skirt."""
     name, lines = cloth.pattern.panels[panel].name, []

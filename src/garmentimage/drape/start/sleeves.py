@@ -86,7 +86,7 @@ def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarr
     return sleeve & trunk[cloth.vertex]
 
 
-def _rings(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> list[Int[np.ndarray, " n"]]:
+def _rings(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> list[Int[np.ndarray, " _"]]:
     """Corners on lines across a sleeve: its free edges, and the seams of a cuff."""
     pattern, rings = cloth.pattern, []
     free = [

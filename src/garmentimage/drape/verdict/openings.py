@@ -48,7 +48,7 @@ CHEST = 0.7
 """Height of the middle of the chest between the hips (0) and the neck (1)."""
 
 
-def bones(body: Body) -> dict[str, Float[np.ndarray, "n 3"]] | None:
+def bones(body: Body) -> dict[str, Float[np.ndarray, "_ 3"]] | None:
     """Every bone as a line of points [cm]; None where the body lacks a landmark."""
     marks = {
         **{name.replace("left", "right"): p * [-1, 1, 1] for name, p in body.landmarks.items()},
@@ -69,7 +69,7 @@ def bones(body: Body) -> dict[str, Float[np.ndarray, "n 3"]] | None:
     return lines
 
 
-def openings(faces: Int[np.ndarray, "face 3"]) -> list[Int[np.ndarray, " n"]]:
+def openings(faces: Int[np.ndarray, "face 3"]) -> list[Int[np.ndarray, " _"]]:
     """The closed lines of vertices round every opening, longest first.
 
     Where openings meet in one vertex, lines end there and go on arbitrarily but the same way on
@@ -106,7 +106,7 @@ def _sides(faces: Int[np.ndarray, "face 3"]) -> tuple[np.ndarray, np.ndarray, np
 
 
 def turns(
-    line: Float[np.ndarray, "n 3"], bones: Mapping[str, Float[np.ndarray, "m 3"]]
+    line: Float[np.ndarray, "n 3"], bones: Mapping[str, Float[np.ndarray, "_ 3"]]
 ) -> tuple[int, ...]:
     """How often a closed line goes round each bone, in the order of `BONES`, head taken off.
 

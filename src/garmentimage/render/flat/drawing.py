@@ -127,7 +127,7 @@ def seam_colour(number: int) -> str:
     return SEAM_COLOURS[(number - 1) % len(SEAM_COLOURS)]
 
 
-def _lines(placed: PlacedPanel) -> list[Float[np.ndarray, "n 2"]]:
+def _lines(placed: PlacedPanel) -> list[Float[np.ndarray, "_ 2"]]:
     """Every edge of the panel as a polyline in the picture, numbered as `Panel.edges`."""
     return [
         placed.place(curve.sample(1 if curve.is_straight else CURVE_CHORDS))

@@ -258,7 +258,7 @@ def find_problems(
             problems.append(f"panel {panel.name!r} folds over itself")
             at_fault.add(i)
         shapes.append(shape)
-    near = shapely.STRtree(shapes).query(shapes).T
+    near = shapely.STRtree(shapes).query(shapes).T.tolist()
     pairs = [(i, j) for i, j in near if i < j and panels[i].layer == panels[j].layer]
     for i, j in pairs:
         area = shapes[i].intersection(shapes[j]).area
