@@ -1,4 +1,21 @@
-"""Compiled loops of the triangulator: points inside, Delaunay flips, smoothing."""
+"""Compiled loops of the triangulator: points inside, Delaunay flips, smoothing.
+
+1. **Points inside** (`place_inner_points`): where cloth is narrow, a row along its middle; elsewhere
+   a hexagonal lattice, whose triangles are equilateral, as far as it keeps off the boundary.
+2. **Insertion** (`fill`): each point splits the triangle it falls into, found by walking from
+   triangle to triangle towards it; then sides are flipped until Delaunay (Lawson 1977, "Software
+   for C1 surface interpolation"). The boundary is never flipped, so the result is the constrained
+   Delaunay triangulation.
+3. **Smoothing**: each point inside moves to the centroid of the triangles round it, weighted by
+   area, and sides are flipped again; a triangle that would shrink too far keeps its corners. This
+   is Laplacian smoothing on areas instead of neighbours.
+
+The flip test: the side i-j between the triangles (a, i, j) and (b, j, i) is Delaunay where the
+angles at a and b add up to at most half a turn, that is where sin(a + b) >= 0. With cross and dot
+products in place of sines and cosines no square root is needed.
+
+Words of this file: see `triangulate`.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
@@ -8,26 +25,27 @@ from numba import njit
 ROUNDS = 4
 """Rounds of smoothing."""
 FLIP_TOL = 1e-9
-"""A flip must better the Delaunay sum (a sine of angles) by this, or rounding flips for ever."""
+"""A flip must improve sin(a + b) by this, or rounding could flip back and forth for ever."""
 KEEP_SHARE = 0.2
 """Smoothing may shrink a triangle to this share of its area in a round."""
 CLEARANCE = 0.6
-"""Points inside stay as far from the boundary, in lengths of a side of the lattice."""
+"""Least distance of points inside from the boundary, in lengths of a side of the lattice."""
 APART = 0.65
-"""Points of the middle row and of the lattice stay as far from each other, in the same lengths."""
+"""Least distance between the middle row and the lattice, in the same lengths."""
 NARROW = 2.1
 """Where the cloth is narrower than this, in the same lengths, its middle gets points of its own; a
 row of the lattice could miss it (twice CLEARANCE and the distance of two rows)."""
 MIDDLE_CLEARANCE = 0.4
-"""A point of the middle row stays as far from the boundary, in widths of the cloth there."""
+"""Least distance of the middle row from the boundary, in widths of the cloth there."""
 THREAD = 0.15
-"""Where it is narrower than this it stays one row of triangles wide."""
+"""Where cloth is narrower than this, it is left one row of triangles wide."""
 FAR = 1e30
+"""Larger than any distance or area."""
 
 
 @njit(cache=True)
 def inward_widths(points, ends, inward):
-    """For each side, the way from its middle straight inwards to the next side."""
+    """For each side, the distance from its middle straight inwards to the next side."""
     count = len(points)
     widths = np.full(count, FAR)
     for k in range(count):
@@ -44,6 +62,8 @@ def inward_widths(points, ends, inward):
             turn = nx * ey - ny * ex
             if j == k or turn == 0.0:
                 continue
+            # The ray from the middle along the inner normal meets the line of side j after `along`,
+            # at this share of that side.
             along = ((cx - mx) * ey - (cy - my) * ex) / turn
             share = ((cx - mx) * ny - (cy - my) * nx) / turn
             if along > 0 and 0 <= share <= 1:
@@ -64,6 +84,7 @@ def _boundary_distance(x, y, points, ends):
             share = min(max(((x - ax) * dx + (y - ay) * dy) / size, 0.0), 1.0)
         ox, oy = ax + share * dx - x, ay + share * dy - y
         nearest = min(nearest, ox * ox + oy * oy)
+        # A ray to the right crosses the boundary an odd number of times from inside.
         if (ay > y) != (by > y) and x < ax + (y - ay) / dy * dx:
             inside = not inside
     return nearest, inside
@@ -89,6 +110,7 @@ def place_inner_points(points, ends, inward, widths, spacing):
     found = np.empty((rows * columns + len(points), 2))
     count = 0
     for k in range(len(points)):
+        # A point at the middle of the cloth, straight inwards from the middle of the side.
         width = widths[k]
         if not THREAD * spacing < width < NARROW * spacing:
             continue
@@ -104,6 +126,7 @@ def place_inner_points(points, ends, inward, widths, spacing):
         if _clear(x, y, found, count, APART * min(spacing, max(length, width / 2))):
             found[count, 0], found[count, 1] = x, y
             count += 1
+    # Rows and columns are centred, so that a mirrored panel gets the mirrored lattice.
     middles = count
     middle_y, middle_x = (low_y + high_y) / 2, (low_x + high_x) / 2
     for row in range(rows):
@@ -126,8 +149,10 @@ def fill(points, outline, fixed):
     faces = np.empty((start + 2 * (len(points) - fixed), 3), np.int64)
     across = np.full(faces.shape, -1, np.int64)
     faces[:start] = outline
+    # GEOS gives some constrained triangulation; flips make it Delaunay.
     _join(faces[:start], across[:start], len(points))
     _flip_all(points, faces[:start], across[:start])
+    # Sides that may need a flip. A full stack only leaves some for the next round.
     stack = np.empty(16 * len(faces) + 64, np.int64)
     count, at = start, 0
     for p in range(fixed, len(points)):
@@ -142,6 +167,7 @@ def fill(points, outline, fixed):
 @njit(cache=True)
 def _join(faces, across, count):
     """Fill in which triangle lies across each side."""
+    # Sorting the sides by their ends brings the two uses of each side together.
     keys = np.empty(3 * len(faces), np.int64)
     for t in range(len(faces)):
         for k in range(3):
@@ -177,6 +203,7 @@ def _triangle_of(points, faces, across, count, p, at):
         if across[at, out] < 0:
             break
         at = across[at, out]
+    # Lost at the boundary or going round in circles: the triangle that comes nearest to holding it.
     best, depth = 0, -FAR
     for t in range(count):
         least = FAR
@@ -194,7 +221,7 @@ def _set(rows, t, x, y, z):
 
 @njit(cache=True)
 def _turn_to(faces, across, t, old, new):
-    """Let triangle `t`, if there is one, know that its neighbour `old` is now `new`."""
+    """Replace the neighbour `old` of triangle `t`, if there is one, by `new`."""
     if t >= 0:
         for k in range(3):
             if across[t, k] == old:
@@ -205,6 +232,7 @@ def _turn_to(faces, across, t, old, new):
 @njit(cache=True)
 def _put(points, faces, across, count, at, p, stack):
     """Split triangle `at` into three at the point `p` and flip until Delaunay."""
+    # (a, b, c) becomes (a, b, p), (b, c, p) and (c, a, p); side 0 of each is an old side.
     a, b, c = faces[at, 0], faces[at, 1], faces[at, 2]
     over_bc, over_ca = across[at, 1], across[at, 2]
     second, third = count, count + 1
@@ -238,6 +266,7 @@ def _settle(points, faces, across, stack, count):
     while count > 0:
         count -= 1
         t, k = stack[count] // 3, stack[count] % 3
+        # The four outer sides of the two triangles may have become worse by the flip.
         if _flip(points, faces, across, t, k) and count + 4 <= len(stack):
             other = across[t, 2]
             stack[count], stack[count + 1] = 3 * t, 3 * t + 1
@@ -254,6 +283,7 @@ def _flip(points, faces, across, t, k):
     u = across[t, k]
     if u < 0:
         return False
+    # Side m of the neighbour u is the same side, run along in the opposite direction.
     m = 0
     while across[u, m] != t or faces[u, m] != faces[t, (k + 1) % 3]:
         m += 1
@@ -263,6 +293,7 @@ def _flip(points, faces, across, t, k):
     a, b = faces[t, (k + 2) % 3], faces[u, (m + 2) % 3]
     if not _flips(points, i, j, a, b):
         return False
+    # The diagonal a-b replaces i-j; neighbours of the two outer sides that change hands follow.
     over_ja, over_ai = across[t, (k + 1) % 3], across[t, (k + 2) % 3]
     over_ib, over_bj = across[u, (m + 1) % 3], across[u, (m + 2) % 3]
     _set(faces, t, a, i, b)
@@ -277,9 +308,11 @@ def _flip(points, faces, across, t, k):
 @njit(cache=True)
 def _flips(points, i, j, a, b):
     """Whether the diagonal a-b is better than i-j: the angles at a and b exceed half a turn."""
+    # Angles of at most a right one each cannot add up to more than half a turn.
     cosine_a, cosine_b = _dot_at(points, a, i, j), _dot_at(points, b, j, i)
     if cosine_a >= 0 and cosine_b >= 0:
         return False
+    # Both new triangles must have area: the four corners must be a convex quadrilateral.
     if _doubled_area(points, a, i, b) <= 0 or _doubled_area(points, b, j, a) <= 0:
         return False
     sine_a, sine_b = _doubled_area(points, a, i, j), _doubled_area(points, b, j, i)
@@ -312,12 +345,14 @@ def _smooth(points, faces, fixed):
             sum_x[p] += area * x
             sum_y[p] += area * y
             total[p] += area
+    # Move all points at once; the order of triangles does not matter.
     before = points.copy()
     held = np.zeros(count, np.bool_)
     held[:fixed] = True
     for p in range(fixed, count):
         if total[p] > 0.0:
             points[p, 0], points[p, 1] = sum_x[p] / total[p], sum_y[p] / total[p]
+    # Put back the corners of triangles that shrank too far; that may shrink others, so repeat.
     worse = True
     while worse:
         worse = False

@@ -29,6 +29,8 @@ def bending_matrix(
     """
     from scipy.sparse import coo_array
 
+    # Bergou et al.: E = 3 / (2 A) |K x|^2 for each hinge, where K holds sums of cotangents and its
+    # entries add up to zero; a third of that is used here, so Q = sum of K^T K / A.
     hinge, cotangent, area = _hinges(faces, flat)
     # Corners of a hinge: its edge's two ends, then the two vertices across it.
     start0, end0, start1, end1 = cotangent.T
@@ -52,6 +54,7 @@ def _hinges(
     """
     cotangents, areas = _cotangents(flat)
     start, end = faces, np.roll(faces, -1, axis=1)
+    # Sides of one edge have the same key; two in a run are the two triangles of a hinge.
     key = (np.minimum(start, end).astype(np.int64) << 32) | np.maximum(start, end)
     order = np.argsort(key.ravel(), kind="stable")
     keys = key.ravel()[order]
@@ -67,6 +70,7 @@ def _hinges(
     second = np.where(turned, at_end[1], at_start[1]), np.where(turned, at_start[1], at_end[1])
     hinge = np.stack([a, b, *across], axis=1)
     area = sum(areas[s // 3] for s in sides)
+    # Two triangles on the same three vertices are no hinge.
     keep = across[0] != across[1]
     return hinge[keep], np.stack([at_start[0], at_end[0], *second], axis=1)[keep], area[keep]
 

@@ -2,7 +2,12 @@
 
 The outline is triangulated by GEOS (constrained Delaunay: every side of the boundary is a side of
 a triangle, by construction). Points put inside split the triangle they fall into; edges are then
-flipped until Delaunay, the boundary excepted. No side of the boundary can be lost on the way.
+flipped until Delaunay, the boundary excepted. So no side of the boundary can be lost. The steps
+after GEOS stand above the compiled loops in `_kernels`.
+
+Why no mesh generator is used: `triangle` may not be used commercially, `meshpy` wraps it, and
+`gmsh` is under the GPL, none of which this package could pass on under its own licence. GEOS (LGPL,
+by way of shapely) triangulates without points inside.
 
 Words of this file: a **ring** is a closed polygon without its first point repeated; a **side** is
 the straight line from one of its points to the next; `across[t, k]` is the triangle across the

@@ -1,4 +1,17 @@
-"""Compiled loops of the distance field: exact distances, swept distances, winding numbers."""
+"""Compiled loops of the distance field: exact distances, swept distances, winding numbers.
+
+- **Near the surface** (`stamp`): each triangle writes its exact distance at the nodes within a
+  band, where no other triangle is nearer. The sign is that of the pseudonormal of the nearest feature
+  (face, edge or corner; Baerentzen and Aanaes 2005).
+- **Farther off** (`sweep`): a chamfer distance (Borgefors 1986, "Distance transformations in
+  digital images"): d(p) = min over the 26 neighbours q of d(q) + |p - q|, in one pass forwards and one
+  backwards, each over the 13 neighbours that come before.
+- **Inside** (`count_crossings`): the winding number along each line of nodes in z, as the sum of
+  signed crossings of the surface below (Jacobson et al. 2013). Every line is met by triangles whose
+  projection to the x-y plane holds it.
+- **Look-up** (`sample`): trilinear interpolation between the eight nodes round a place, and its
+  exact gradient.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
@@ -13,6 +26,7 @@ def sweep(values, far, cell):
     for i in range(nx):
         for j in range(ny):
             for k in range(nz):
+                # Distances near the surface are exact and stay.
                 if not far[i, j, k]:
                     continue
                 best = values[i, j, k]
@@ -22,6 +36,7 @@ def sweep(values, far, cell):
                         for c in range(max(k - 1, 0), min(k + 2, nz) if before else k):
                             step = cell * np.sqrt(float((i - a) ** 2 + (j - b) ** 2 + (k - c) ** 2))
                             value = values[a, b, c]
+                            # The sign is kept: it is that of the side of the surface.
                             if abs(value) + step < abs(best):
                                 best = value + step if value > 0.0 else value - step
                 values[i, j, k] = best
@@ -33,28 +48,32 @@ def count_crossings(turns, points, faces):
     nx, ny, nz = turns.shape
     for f in range(len(faces)):
         a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
+        # Lines of nodes over the bounding box of the triangle's projection.
         for i in range(_from(a[0], b[0], c[0]), _to(a[0], b[0], c[0], nx)):
             for j in range(_from(a[1], b[1], c[1]), _to(a[1], b[1], c[1], ny)):
                 at_c = (b[0] - a[0]) * (j - a[1]) - (b[1] - a[1]) * (i - a[0])
                 at_a = (c[0] - b[0]) * (j - b[1]) - (c[1] - b[1]) * (i - b[0])
                 at_b = (a[0] - c[0]) * (j - c[1]) - (a[1] - c[1]) * (i - c[0])
+                # Twice the areas opposite the corners: of one sign where the line goes through.
                 if at_a > 0.0 and at_b > 0.0 and at_c > 0.0:
-                    way = -1
+                    turn = -1
                 elif at_a < 0.0 and at_b < 0.0 and at_c < 0.0:
-                    way = 1
+                    turn = 1
                 else:
                     continue
                 height = (at_a * a[2] + at_b * b[2] + at_c * c[2]) / (at_a + at_b + at_c)
-                turns[i, j, min(max(int(np.ceil(height)), 0), nz - 1)] += way
+                turns[i, j, min(max(int(np.ceil(height)), 0), nz - 1)] += turn
 
 
 @njit(cache=True)
 def _from(a, b, c):
+    """The first node within the extent of three coordinates."""
     return max(int(np.ceil(min(a, b, c))), 0)
 
 
 @njit(cache=True)
 def _to(a, b, c, count):
+    """The node after the last within the extent of three coordinates."""
     return min(int(np.floor(max(a, b, c))) + 1, count)
 
 
@@ -68,6 +87,7 @@ def sample(values, origin, per_cell, x, y, z):
     # NaN is taken to lie at the corner of the grid: its index must not leave the array.
     i, j, k = max(min(int(u), nx - 2), 0), max(min(int(v), ny - 2), 0), max(min(int(w), nz - 2), 0)
     u, v, w = u - i, v - j, w - k
+    # Linear along x first, then along y, then along z.
     low00, low01 = values[i, j, k], values[i, j, k + 1]
     low10, low11 = values[i, j + 1, k], values[i, j + 1, k + 1]
     rise00, rise01 = values[i + 1, j, k] - low00, values[i + 1, j, k + 1] - low01
@@ -87,6 +107,7 @@ def sample(values, origin, per_cell, x, y, z):
 
 @njit(cache=True)
 def sample_all(values, origin, per_cell, points, distance, slope):
+    """`sample` for many places, into `distance` and `slope`."""
     for n in range(len(points)):
         d, x, y, z = sample(values, origin, per_cell, points[n, 0], points[n, 1], points[n, 2])
         distance[n] = d
@@ -105,6 +126,7 @@ def stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band):
         y1 = min(ny - 1, int(np.floor(max(a[1], b[1], c[1]) + band)))
         z0 = max(0, int(np.ceil(min(a[2], b[2], c[2]) - band)))
         z1 = min(nz - 1, int(np.floor(max(a[2], b[2], c[2]) + band)))
+        # Plane and bounding sphere of the triangle.
         n = face_normal[f]
         mx, my, mz = (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3
         radius = max(_apart(a, mx, my, mz), _apart(b, mx, my, mz), _apart(c, mx, my, mz))
@@ -123,6 +145,7 @@ def stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band):
                     d = np.sqrt(dx * dx + dy * dy + dz * dz)
                     if d >= limit:
                         continue
+                    # Feature 0 is the face, 1 to 3 are its edges, 4 to 6 its corners.
                     if feature == 0:
                         m = n
                     elif feature < 4:
@@ -135,6 +158,7 @@ def stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band):
 
 @njit(cache=True)
 def _apart(point, x, y, z):
+    """Distance of two points."""
     return np.sqrt((point[0] - x) ** 2 + (point[1] - y) ** 2 + (point[2] - z) ** 2)
 
 
@@ -145,9 +169,11 @@ def _nearest_on_triangle(x, y, z, a, b, c):
     0 is the inside, 1 to 3 the edges ab, bc, ca, and 4 to 6 the corners a, b, c. After Ericson,
     "Real-Time Collision Detection" (2005), 5.1.5.
     """
+    # Each test asks for the Voronoi region of one corner or edge, by dot products with two sides.
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     px, py, pz = x - a[0], y - a[1], z - a[2]
+    # Beyond corner a, along neither side.
     d1, d2 = ux * px + uy * py + uz * pz, vx * px + vy * py + vz * pz
     if d1 <= 0.0 and d2 <= 0.0:
         return a[0], a[1], a[2], 4

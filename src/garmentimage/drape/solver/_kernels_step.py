@@ -200,10 +200,12 @@ def simulate(points, speeds, span, state, model, schedule, rates):
     Returns:
         Frames simulated since the first of all, and whether rest was reached.
     """
+    # Numba compiles named tuples like plain variables: looking up a field costs nothing.
     material = model.material
     refresh, gather_frames = schedule.refresh, schedule.gather_frames
     step = FRAME / schedule.substeps
     count = len(points)
+    # Buffers, made once: places ahead, all forces, and the bending forces that are kept.
     ahead = np.empty((count, 3))
     force = np.empty((count, 3))
     bend_force = np.zeros((count, 3))
@@ -222,6 +224,7 @@ def simulate(points, speeds, span, state, model, schedule, rates):
                 _look_ahead(points, state.displacement, BEND_LOOK_AHEAD * refresh, ahead)
                 _bend(ahead, model.bending, bend_force)
                 _find_planes(points, model.field, material.thickness, reach, state)
+            # Stretch is stiff, so its forces are computed anew in every step.
             _look_ahead(points, state.displacement, LOOK_AHEAD, ahead)
             force[:] = bend_force
             _stretch(ahead, model.springs, force)
@@ -229,6 +232,7 @@ def simulate(points, speeds, span, state, model, schedule, rates):
                 points, state.displacement, force, model.masses, damping, gravity_step, step,
                 rates.max_speed,
             )  # fmt: skip
+            # Constraints on the places come last: pins first, since the body must win.
             _pull_to_pins(points, state.displacement, model.pins)
             _collide(
                 points, state, material.friction, friction, model.has_friction,
@@ -236,6 +240,7 @@ def simulate(points, speeds, span, state, model, schedule, rates):
             )  # fmt: skip
         if not gathering and frame % LIFT_EVERY == 0:
             _lift(points, model.triangles, model.springs, model.field, state)
+        # Speeds are measured over a frame: chatter between steps that leads nowhere is not motion.
         speeds[frame] = _mean_distance(points, before) / FRAME
         if frame + 1 >= schedule.min_frames and not gathering and speeds[frame] < rates.stop_speed:
             return frame + 1, True
@@ -260,6 +265,7 @@ def _stretch(points, springs, force):
         y = points[b, 1] - points[a, 1]
         z = points[b, 2] - points[a, 2]
         length = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
+        # Force over length: k (1 - l / |d|), negative where the spring is compressed.
         tension = stiffness[e] * (1.0 - lengths[e] / length)
         x *= tension
         y *= tension
@@ -276,6 +282,7 @@ def _stretch(points, springs, force):
 def _bend(points, matrix, force):
     """Bending forces -Q x, a product with a sparse matrix for each axis."""
     first, column, value = matrix
+    # Row by row, so that each vertex is written once.
     for i in range(len(points)):
         x = y = z = 0.0
         for n in range(first[i], first[i + 1]):
@@ -300,17 +307,20 @@ def _find_planes(points, field, thickness, reach, state):
         if skipped[i] > 0:
             skipped[i] -= 1
             continue
+        # How far the vertex is outside of its own offset surface.
         p = points[i]
         distance, x, y, z = sample(values, origin, per_cell, p[0], p[1], p[2])
         clear = distance - thickness - lift[i]
         skipped[i] = min(max(int(clear * DISTANCE_TRUST / reach) - 1, 0), MAX_SKIPPED)
         if skipped[i] > 0:
+            # An offset of minus infinity: everything is outside.
             planes[i, 3] = -np.inf
             continue
         length = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
         x /= length
         y /= length
         z /= length
+        # n . q = c for the nearest place q = p - clear n.
         planes[i, 0], planes[i, 1], planes[i, 2] = x, y, z
         planes[i, 3] = x * p[0] + y * p[1] + z * p[2] - clear
 
@@ -352,6 +362,7 @@ def _lift(points, triangles, springs, field, state):
         if c < a:
             _needed_lift(points, field, planes, needed, c, a, a)
     for i in range(len(points)):
+        # Between the two limits of cover a lift is left as it is, so that it does not oscillate.
         if taut[i] > TAUT:
             lift[i] *= LOWERED
         elif needed[i] > 0.0:
@@ -363,6 +374,7 @@ def _lift(points, triangles, springs, field, state):
 @njit(cache=True)
 def _needed_lift(points, field, planes, needed, a, b, c):
     """How much farther off a place between corners should be; `b` and `c` may be one corner."""
+    # The middle of a side has two corners, that of a triangle three.
     values, origin, per_cell = field
     share = 0.5 if b == c else 1.0 / 3.0
     rest = 0.0 if b == c else share
@@ -371,6 +383,7 @@ def _needed_lift(points, field, planes, needed, a, b, c):
     z = share * (points[a, 2] + points[b, 2]) + rest * points[c, 2]
     distance, u, v, w = sample(values, origin, per_cell, x, y, z)
     min_dot = MIN_FACING * np.sqrt(u * u + v * v + w * w)
+    # Raising a corner helps only where its plane faces the same way as the body here.
     for i in (a, b, c):
         if planes[i, 0] * u + planes[i, 1] * v + planes[i, 2] * w > min_dot:
             needed[i] = max(needed[i], SKIN_COVER - distance)
@@ -393,6 +406,7 @@ def _advance_all(
 @njit(cache=True)
 def _advance(points, displacement, i, x, y, z, max_shift):
     """Move a vertex, but no farther than `max_shift`."""
+    # A limit on speed keeps a vertex from jumping through an arm within one refresh.
     length = np.sqrt(x * x + y * y + z * z)
     share = max_shift / length if length > max_shift else 1.0
     displacement[i, 0], displacement[i, 1], displacement[i, 2] = x * share, y * share, z * share
@@ -408,6 +422,7 @@ def _pull_to_pins(points, displacement, pins):
     for n in range(len(vertices)):
         i = vertices[n]
         for k in range(3):
+            # A limited force: a belt gives way before it tears the cloth.
             shift = share[n, k] * (targets[n, k] - points[i, k])
             shift = min(max(shift, -max_shift[n]), max_shift[n])
             points[i, k] += shift
@@ -427,7 +442,9 @@ def _collide(points, state, full_friction, friction, has_friction, max_push):
         depth = planes[i, 3] - (x * points[i, 0] + y * points[i, 1] + z * points[i, 2])
         if depth <= 0.0:
             continue
+        # Deep cloth comes out at a limited speed, which keeps its springs from bursting.
         push = min(depth, max_push)
+        # Split the displacement into normal and tangential parts; the normal part is dropped.
         along = x * displacement[i, 0] + y * displacement[i, 1] + z * displacement[i, 2]
         slip_x = displacement[i, 0] - along * x
         slip_y = displacement[i, 1] - along * y

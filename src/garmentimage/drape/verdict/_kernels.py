@@ -1,4 +1,10 @@
-"""Compiled loops that find triangles which pass through each other."""
+"""Compiled loops that find triangles which pass through each other.
+
+Two triangles intersect where a side of one pierces the other: its ends lie on two sides of the
+plane, and the line through them runs round the three edges in one direction. Both are signs of
+volumes of tetrahedra, so no division is needed. Pairs are found on a uniform grid of bins (Ericson
+2005, "Real-Time Collision Detection", 7.1) and by their bounding boxes.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
@@ -8,8 +14,14 @@ from numba import njit
 
 @njit(cache=True)
 def count_crossed(points, faces, bins, order, first, shape):
-    """Two triangles can only meet where their centres lie in the same bin or in neighbours."""
+    """How many triangles pass through another without a common vertex.
+
+    Bins are as wide as the longest side, so two triangles can only meet where their centres lie in
+    the same bin or in neighbours. `order` lists triangles by bin, and `first` where each bin
+    begins in it; three neighbours in a row are consecutive.
+    """
     crossed = np.zeros(len(faces), np.bool_)
+    # Bounding boxes.
     low, high = np.empty((len(faces), 3)), np.empty((len(faces), 3))
     for f in range(len(faces)):
         for k in range(3):
@@ -24,6 +36,7 @@ def count_crossed(points, faces, bins, order, first, shape):
                 for other in order[start:stop]:
                     if other <= f or not _boxes_meet(low, high, f, other):
                         continue
+                    # Only the number of triangles counts, not that of pairs.
                     if crossed[f] and crossed[other]:
                         continue
                     if _cross(points, faces[f], faces[other]):
@@ -33,6 +46,7 @@ def count_crossed(points, faces, bins, order, first, shape):
 
 @njit(cache=True)
 def _boxes_meet(low, high, a, b):
+    """Whether the bounding boxes of two triangles overlap."""
     apart = False
     for k in range(3):
         apart |= high[a, k] < low[b, k] or high[b, k] < low[a, k]
@@ -41,6 +55,8 @@ def _boxes_meet(low, high, a, b):
 
 @njit(cache=True)
 def _cross(points, a, b):
+    """Whether two triangles without a common vertex pass through each other."""
+    # Neighbours touch along their common side or corner, which is not an intersection.
     for i in range(3):
         for j in range(3):
             if a[i] == b[j]:
@@ -56,8 +72,10 @@ def _pierces(points, start, end, face):
     """Whether the segment from `start` to `end` goes through the triangle `face`."""
     p, q = points[start], points[end]
     a, b, c = points[face[0]], points[face[1]], points[face[2]]
+    # Both ends on the same side of the plane.
     if (_volume(a, b, c, p) > 0) == (_volume(a, b, c, q) > 0):
         return False
+    # The line p-q passes all three edges on the same side where it runs through the triangle.
     side = _volume(p, q, a, b) > 0
     return (_volume(p, q, b, c) > 0) == side and (_volume(p, q, c, a) > 0) == side
 

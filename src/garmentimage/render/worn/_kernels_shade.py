@@ -146,6 +146,7 @@ def find_pixels(step, cloth_from, visible, silhouette, behind, pixels):
     part = np.float32(1 / (step * step))
     for row in range(len(silhouette)):
         for col in range(len(silhouette)):
+            # Share of the samples that show cloth, and of those that show nothing.
             cloth, body = 0, 0
             for i in range(row * step, (row + 1) * step):
                 for j in range(col * step, (col + 1) * step):
@@ -157,6 +158,7 @@ def find_pixels(step, cloth_from, visible, silhouette, behind, pixels):
             behind[row, col] = 1 - (cloth + body) * part
             if cloth + body == 0:
                 continue
+            # The nearest sample speaks for the pixel in depth, normal and panel.
             best, r, c = np.float32(np.inf), 0, 0
             for i in range(row * step, (row + 1) * step):
                 for j in range(col * step, (col + 1) * step):
@@ -232,6 +234,7 @@ def find_open_share(pixels, maps, probes, pixel, radius, strength, share):
             above = x * nx + y * ny + z * nz
             if above <= 0:
                 continue
+            # Sine of the angle above the plane, less with distance; small angles are facets.
             squared = x * x + y * y + z * z
             rise = above / np.sqrt(squared) - AO_BIAS
             total += max(0.0, rise) * max(0.0, 1 - squared / (radius * radius))
@@ -264,6 +267,7 @@ def find_lit_share(pixels, depth, rays, shadow_map, strength, share):
         ly = turn[1, 0] * x + turn[1, 1] * y + turn[1, 2] * z
         lz = shadow_map.origin - (turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z)
         u, v = lx * scale + span / 2, span / 2 - ly * scale
+        # Share of the probes round it that something nearer to the light hides.
         dark = 0.0
         for k in range(len(offsets)):
             i, j = int(np.floor(v + offsets[k, 1])), int(np.floor(u + offsets[k, 0]))
@@ -280,6 +284,7 @@ def _print_at(dye, k, wb, wc):
     wa = 1 - wb - wc
     u = (wa * flat[k, 0, 0] + wb * flat[k, 1, 0] + wc * flat[k, 2, 0]) / width * cols - 0.5
     v = -(wa * flat[k, 0, 1] + wb * flat[k, 1, 1] + wc * flat[k, 2, 1]) / height * rows - 0.5
+    # Bilinear look-up; the tile repeats in both directions.
     left, top = np.floor(u), np.floor(v)
     su, sv = u - left, v - top
     c0, r0 = int(left) % cols, int(top) % rows
@@ -328,13 +333,18 @@ def shade(number, pixels, visible, shape, dye, ink, lighting, light):
                 x, y, z = _normal(
                     shape.normals, faces[k, 0], faces[k, 1], faces[k, 2], wb, wc, side
                 )
+                # Wrapped Lambert: a soft lamp reaches round the edge of a shape.
                 sun = max(0.0, (x * key[0] + y * key[1] + z * key[2] + soft) / (1 + soft))
                 sun *= lit_share[row, col]
+                # The fill light is not wrapped and casts no shadow.
                 back = max(0.0, x * fill[0] + y * fill[1] + z * fill[2])
+                # Sky and ground share the light from all round by the slope of the surface.
                 sky = (0.5 + 0.5 * (x * up[0] + y * up[1] + z * up[2])) * open_share[row, col]
                 ground = open_share[row, col] - sky
+                # The rim light grows with the cube of the turn away from the viewer.
                 turned = 1 - z
                 edge = rim * turned * turned * turned * open_share[row, col]
+                # Drawn seams darken the colour of the cloth, whatever its light.
                 if len(ink):
                     own *= 1 - INK_SHADE * ink[i, j]
                 red, green, blue = dye.colour[k, 0], dye.colour[k, 1], dye.colour[k, 2]
@@ -359,6 +369,7 @@ def encode_srgb(light, table, codes):
     for row in range(light.shape[0]):
         for col in range(light.shape[1]):
             for c in range(3):
+                # Light beyond white is clipped.
                 bright = min(max(light[row, col, c], np.float32(0)), np.float32(1))
                 code = int(np.sqrt(bright) * last + np.float32(0.5))
                 codes[row, col, c] = table[min(max(code, 0), len(table) - 1)]

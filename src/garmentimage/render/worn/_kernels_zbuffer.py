@@ -55,10 +55,12 @@ def draw_faces(screen, faces, lift, two_sided, perspective, number, visible):
         area = (xb - xa) * (yc - ya) - (xc - xa) * (yb - ya)
         if area == 0 or (area > 0 and not two_sided):
             continue
+        # Whichever side is seen, `sign` makes the edge functions positive inside.
         outside = area < 0
         push = lift if outside else -lift
         sign = -1.0 if outside else 1.0
         size = area * sign
+        # Samples whose centres lie in the bounding box.
         left = max(0, int(np.ceil(min(xa, xb, xc) - 0.5)))
         right = min(cols - 1, int(np.floor(max(xa, xb, xc) - 0.5)))
         top = max(0, int(np.ceil(min(ya, yb, yc) - 0.5)))
@@ -80,6 +82,7 @@ def draw_faces(screen, faces, lift, two_sided, perspective, number, visible):
                     wb, wc = rb * z, rc * z
                 else:
                     z = depth[a] + wb * (depth[b] - depth[a]) + wc * (depth[c] - depth[a])
+                # Compared as it is kept, so that order does not matter but for exact ties.
                 z = np.float32(z - push)
                 if z < near[row, col]:
                     near[row, col] = z
@@ -119,6 +122,7 @@ def draw_lines(screen, lines, radius, reach, shade, near, ink):
         for row in range(top, bottom + 1):
             for col in range(left, right + 1):
                 px, py = col + 0.5 - x[a], row + 0.5 - y[a]
+                # The nearest point of the segment; a line may be a point.
                 t = 0.0
                 if length > 0:
                     t = min(1.0, max(0.0, (px * dx + py * dy) / length))
