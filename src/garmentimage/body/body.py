@@ -69,7 +69,7 @@ def _load(name: str, pose: str) -> Body:
     skin = len(points) - len(names)
     for array in (points, faces):
         array.setflags(write=False)
-    landmarks = MappingProxyType(dict(zip(names, points[skin:])))
+    landmarks = MappingProxyType(dict(zip(names, points[skin:], strict=True)))
     return Body(points[:skin], faces, name, pose, landmarks)
 
 
@@ -88,7 +88,8 @@ def _arrays(file_name: str) -> dict[str, np.ndarray]:
 
 def read_points(shipped: Any) -> Float[np.ndarray, "point 3"]:
     """Points [cm] from the whole numbers of a shipped file."""
-    return shipped * STEP + np.array([0.0, MIDDLE_HEIGHT, 0.0])
+    points: np.ndarray = shipped * STEP + np.array([0.0, MIDDLE_HEIGHT, 0.0])
+    return points
 
 
 def write_points(points: Float[np.ndarray, "point 3"]) -> Int[np.ndarray, "point 3"]:

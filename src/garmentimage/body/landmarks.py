@@ -111,4 +111,5 @@ def _leg_middle(body: Body, height: float) -> Vector:
     if not rings:
         raise DraftError(f"has no leg of its own at {height:.0f} cm over the floor; stand it apart")
     ring = max(rings, key=len)
-    return (ring.min(0) + ring.max(0)) / 2
+    middle: np.ndarray = (ring.min(0) + ring.max(0)) / 2
+    return middle

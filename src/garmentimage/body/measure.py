@@ -165,7 +165,8 @@ def skin_on_line(body: Body, axis: int, point: Vector) -> Float[np.ndarray, " hi
     share = area[:, total != 0] / total[total != 0]
     hit = (share >= -ON_EDGE).all(0)
     height = np.stack([corner[total != 0, axis] for corner in (a, b, c)])
-    return (share * height).sum(0)[hit] + point[axis]
+    crossings: np.ndarray = (share * height).sum(0)[hit] + point[axis]
+    return crossings
 
 
 def shoulder_point(body: Body) -> Vector:
@@ -303,11 +304,13 @@ def _crotch_length(body: Body, waist: float) -> float:
 
 
 def _at_height(start: Vector, end: Vector, height: float) -> Vector:
-    return start + (height - start[1]) / (end[1] - start[1]) * (end - start)
+    place: np.ndarray = start + (height - start[1]) / (end[1] - start[1]) * (end - start)
+    return place
 
 
 def _middle(outline: Points) -> Vector:
-    return (outline.min(0) + outline.max(0)) / 2
+    middle: np.ndarray = (outline.min(0) + outline.max(0)) / 2
+    return middle
 
 
 def _distance(a: Vector, b: Vector) -> float:

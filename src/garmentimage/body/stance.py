@@ -48,7 +48,11 @@ def stand_straight(body: Body) -> Body:
     for array in (vertices, places):
         array.setflags(write=False)
     return Body(
-        vertices, body.faces, body.name, body.pose, MappingProxyType(dict(zip(names, places)))
+        vertices,
+        body.faces,
+        body.name,
+        body.pose,
+        MappingProxyType(dict(zip(names, places, strict=True))),
     )
 
 

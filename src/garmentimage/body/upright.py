@@ -91,7 +91,8 @@ def _sample(points: Points, faces: Int[np.ndarray, "face 3"]) -> Float[np.ndarra
     a, b, c = np.moveaxis(points[faces], 1, 0)
     area = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
     at = np.searchsorted(area, (np.arange(SAMPLE) + 0.5) / SAMPLE * area[-1])
-    return ((a + b + c) / 3)[at]
+    centre: np.ndarray = ((a + b + c) / 3)[at]
+    return centre
 
 
 def _symmetry(skin: Points) -> Vector:
@@ -151,7 +152,8 @@ def _angle(a: Vector, b: Vector) -> float:
 
 
 def _unit_vector(v: Vector) -> Vector:
-    return v / np.linalg.norm(v)
+    unit: np.ndarray = v / np.linalg.norm(v)
+    return unit
 
 
 def _middle(skin: Points, low: float, high: float) -> float:

@@ -108,7 +108,7 @@ class Assembly:
             pieces.append((k, len(shares[k])))
             if own[k + 1] - end > _SAME_SHARE:
                 shares[k].append((end - own[k]) / (own[k + 1] - own[k]))
-        for ref, cuts in zip(seam, shares):
+        for ref, cuts in zip(seam, shares, strict=True):
             self._cuts[ref] = [1 - cut for cut in reversed(cuts)] if backwards else cuts
         if backwards:
             return [(seam[k], len(shares[k]) - piece) for k, piece in pieces]
@@ -118,7 +118,7 @@ class Assembly:
 def _panel(draft: PanelDraft, cut: list[list[Curve]]) -> Panel:
     """The finished panel, whose drawn edges are cut into these pieces."""
     curves = [curve for pieces in cut for curve in pieces]
-    labels = [named.label for named, pieces in zip(draft.outline, cut) for _ in pieces]
+    labels = [named.label for named, pieces in zip(draft.outline, cut, strict=True) for _ in pieces]
     return Panel(
         draft.name,
         loop_from_curves(curves, labels),

@@ -44,7 +44,7 @@ def lengths_of(curves: Sequence[Curve]) -> list[float]:
     for numbers, points in _beziers(curves):
         # Rows times a column: every curve is summed up as if it were alone.
         own = (_speeds(points)[:, None] @ _WEIGHTS[:, None] / 2).ravel()
-        for number, length in zip(numbers, own.tolist()):
+        for number, length in zip(numbers, own.tolist(), strict=True):
             lengths[number] = length
     return lengths
 
@@ -65,13 +65,14 @@ def chain_polygons(chains: Sequence[Sequence[Curve]]) -> list[Float[np.ndarray, 
         rows = np.array([firsts[number] for number in numbers])[:, None] + np.arange(_CHORDS)
         polygons[rows] = _POINTS[points.shape[1] - 1] @ points
     ends = [firsts[count] for count in accumulate(len(chain) for chain in chains)]
-    return [polygons[start:end] for start, end in zip([0, *ends], ends)]
+    return [polygons[start:end] for start, end in zip([0, *ends], ends, strict=False)]
 
 
 def _speeds(points: Float[np.ndarray, "*n k 2"]) -> Float[np.ndarray, "*n 16"]:
     """Speeds of Bezier curves at the nodes, from their control points."""
     velocity = _SPEED[points.shape[-2] - 1] @ (points[..., 1:, :] - points[..., :-1, :])
-    return np.sqrt((velocity * velocity).sum(axis=-1))
+    speeds: np.ndarray = np.sqrt((velocity * velocity).sum(axis=-1))
+    return speeds
 
 
 def _beziers(curves: Sequence[Curve]) -> list[tuple[list[int], Float[np.ndarray, "_ _ 2"]]]:

@@ -43,12 +43,14 @@ class Cloth:
     @cached_property
     def vertex_faces(self) -> Int[np.ndarray, "face 3"]:
         """The triangles between vertices, in the order of `faces`."""
-        return self.vertex[self.faces]
+        vertices: np.ndarray = self.vertex[self.faces]
+        return vertices
 
     @cached_property
     def face_panel(self) -> Int[np.ndarray, " face"]:
         """Number of each triangle's panel."""
-        return self.panel[self.faces[:, 0]]
+        panels: np.ndarray = self.panel[self.faces[:, 0]]
+        return panels
 
     def sewn(self, corners: Float[np.ndarray, "corner 3"]) -> Float[np.ndarray, "vertex 3"]:
         """Positions of the vertices: the mean over the corners sewn into each [cm]."""

@@ -83,11 +83,11 @@ def compose(
     low, high = WIDTH_LIMITS_IN
     widths = [min(max(r * HEIGHT_IN, low), high) for r in ratios]
     total = sum(widths) + GAP_IN * (len(widths) - 1) + 2 * MARGIN_IN
-    tallest = max(min(w / r, HEIGHT_IN) for w, r in zip(widths, ratios))
+    tallest = max(min(w / r, HEIGHT_IN) for w, r in zip(widths, ratios, strict=True))
     height = tallest + TITLE_IN + MARGIN_IN
     figure = Figure(figsize=(total, height), facecolor=PAPER)
     x = MARGIN_IN
-    for k, (source, name, width) in enumerate(zip(sources, names, widths)):
+    for k, (source, name, width) in enumerate(zip(sources, names, widths, strict=False)):
         _draw(source, figure, (x / total, width / total), height)
         middle, top = (x + width / 2) / total, 1 - 0.55 * TITLE_IN / height
         figure.text(
@@ -135,7 +135,8 @@ def _ratio(source: Source) -> float:
         size = max(width, height)
         return float((width + 0.06 * size) / (height + 0.18 * size))
     if isinstance(source, np.ndarray):
-        return source.shape[1] / source.shape[0]
+        ratio: float = source.shape[1] / source.shape[0]
+        return ratio
     return 0.46 * source.layers
 
 

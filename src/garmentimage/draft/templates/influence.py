@@ -135,7 +135,7 @@ def equalising_factors(outlines: Outlines, runs: Sequence[Run]) -> list[float]:
         PatternError: a run without extent, which no factor can change.
     """
     extents = [run.extent(outlines[run.panel]) for run in runs]
-    for run, extent in zip(runs, extents):
+    for run, extent in zip(runs, extents, strict=True):
         if abs(extent) < SHORTEST_EDGE:
             raise PatternError(
                 f"{run.place}: has no extent along its direction, so no constraint can make it "

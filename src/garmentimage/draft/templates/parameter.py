@@ -75,7 +75,7 @@ class TemplateParameter:
         """
         place = parameter_place(self.name)
         numbers = self.numbers(value, place)
-        for number, (low, high) in zip(numbers, self.ranges):
+        for number, (low, high) in zip(numbers, self.ranges, strict=True):
             if number != self.type.neutral and not low - RANGE_TOL <= number <= high + RANGE_TOL:
                 raise PatternError(
                     f"{place}: is {number:g}; give a number from {low:g} to {high:g}, "
@@ -134,13 +134,13 @@ class Constraint:
     def applied(self, outlines: Outlines) -> tuple[Outlines, list[float]]:
         """The outlines with the runs made equal, and the factor of each run."""
         factors = equalising_factors(outlines, self.runs)
-        for run, factor in zip(self.runs, factors):
+        for run, factor in zip(self.runs, factors, strict=True):
             outlines = scaled(outlines, run, factor)
         return outlines, factors
 
     def undone(self, outlines: Outlines, factors: Sequence[float]) -> Outlines:
         """The outlines as they were before the runs were scaled by `factors`."""
-        for run, factor in zip(self.runs[::-1], factors[::-1]):
+        for run, factor in zip(self.runs[::-1], factors[::-1], strict=True):
             outlines = scaled(outlines, run, 1 / factor)
         return outlines
 

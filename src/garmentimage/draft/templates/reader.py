@@ -116,7 +116,10 @@ class _Reader:
         """What 1 in the file is for a parameter of this type [cm for lengths]."""
         if kind is not ParameterType.ADDITIVE_LENGTH:
             return 1.0
-        return CM_PER_METRE / self.data.get("properties", {}).get("units_in_meter", CM_PER_METRE)
+        scale: float = CM_PER_METRE / self.data.get("properties", {}).get(
+            "units_in_meter", CM_PER_METRE
+        )
+        return scale
 
     def order(self, given: Mapping[str, Any]) -> list[str]:
         """Names of the parameters in the order of their application."""

@@ -122,7 +122,7 @@ class Template:
 
 def _check_sides(template: Pattern, drawn: Pattern) -> None:
     """A curve that has passed its whole panel leaves a simple outline round the other side."""
-    for before, after in zip(template.panels, drawn.panels):
+    for before, after in zip(template.panels, drawn.panels, strict=True):
         if before.outline.area * after.outline.area < 0:
             raise PatternError(f"{panel_place(after.name)}: is turned inside out; bend it less")
 

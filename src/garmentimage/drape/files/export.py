@@ -83,17 +83,19 @@ def _obj_lines(garment: DrapedGarment) -> Iterator[str]:
     yield from _rows("vt", cloth.flat)
     yield from _rows("vn", cloth_normals(cloth, garment.points))
     names = mesh_names(cloth)
-    where = dict(zip((panel.name for panel in cloth.pattern.panels), names))
+    where = dict(zip((panel.name for panel in cloth.pattern.panels), names, strict=True))
     for side, corners in cloth.sides.items():
         numbers = " ".join(str(v + 1) for v in cloth.vertex[corners])
         yield f"# edge {where[side.panel]} {side.edge}: {numbers}"
-    for stitch, vertices in zip(cloth.pattern.stitches, seam_vertices(cloth)):
+    for stitch, vertices in zip(cloth.pattern.stitches, seam_vertices(cloth), strict=True):
         ends = " to ".join(f"{where[side.panel]} {side.edge}" for side in stitch.sides)
         yield f"# stitch {ends}: {' '.join(str(v + 1) for v in vertices)}"
     for number, name in enumerate(names):
         yield f"g {name}"
         for face in cloth.faces[cloth.face_panel == number]:
-            yield "f " + " ".join(f"{v}/{c + 1}/{v}" for c, v in zip(face, cloth.vertex[face] + 1))
+            yield "f " + " ".join(
+                f"{v}/{c + 1}/{v}" for c, v in zip(face, cloth.vertex[face] + 1, strict=True)
+            )
 
 
 def _obj_body(garment: DrapedGarment) -> Iterator[str]:

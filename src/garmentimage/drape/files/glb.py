@@ -70,14 +70,15 @@ def glb_bytes(garment: DrapedGarment, *, body: bool = True) -> bytes:
     """The garment as GLB; the same bytes every time."""
     import trimesh
 
-    scene = trimesh.Scene()
+    scene: Any = trimesh.Scene()
     for number, name in enumerate(mesh_names(garment.cloth)):
         scene.add_geometry(_panel_mesh(garment, number), node_name=name, geom_name=name)
     if body:
         skin = _mesh(garment.body.vertices, garment.body.faces, SKIN_COLOUR)
         scene.add_geometry(skin, node_name=BODY, geom_name=BODY)
     scene.metadata[OURS] = _extras(garment)
-    return scene.export(file_type="glb", include_normals=True)
+    raw: bytes = scene.export(file_type="glb", include_normals=True)
+    return raw
 
 
 def _panel_mesh(garment: DrapedGarment, number: int) -> Any:
@@ -108,10 +109,11 @@ def _mesh(
 ) -> Any:
     import trimesh
 
-    material = trimesh.visual.material.PBRMaterial(
+    visuals: Any = trimesh.visual
+    material = visuals.material.PBRMaterial(
         baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
     )
-    visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    visual = visuals.TextureVisuals(uv=uv, material=material)
     return trimesh.Trimesh(
         points / METRE, faces, vertex_normals=normals, visual=visual, process=False
     )
@@ -237,14 +239,15 @@ def _report(facts: Mapping[str, Any]) -> DrapeReport:
 
 def _near(places: Any) -> Float[np.ndarray, "n k"]:
     """Places [m], none of them farther off than a garment and its wearer can be."""
-    places = np.asarray(places, float)
-    if not (np.abs(places) <= MAX_OFFSET).all():
+    checked: np.ndarray = np.asarray(places, float)
+    if not (np.abs(checked) <= MAX_OFFSET).all():
         raise _Damaged(f"a vertex lies more than {MAX_OFFSET:g} m away, or is not a number")
-    return places
+    return checked
 
 
 def _whole(column: np.ndarray) -> Int[np.ndarray, " n"]:
-    return np.rint(column).astype(np.int64).reshape(-1)
+    numbers: np.ndarray = np.rint(column).astype(np.int64).reshape(-1)
+    return numbers
 
 
 def _check(cloth: Cloth) -> None:

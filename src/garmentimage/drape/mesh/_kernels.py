@@ -1,6 +1,6 @@
 """Compiled loops of the triangulator: points inside, Delaunay flips, smoothing.
 
-1. **Points inside** (`place_inner_points`): where cloth is narrow, a row along its middle; elsewhere
+1. **Points inside** (`place_inner_points`): a row along the middle of narrow cloth; elsewhere
    a hexagonal lattice, whose triangles are equilateral, as far as it keeps off the boundary.
 2. **Insertion** (`fill`): each point splits the triangle it falls into, found by walking from
    triangle to triangle towards it; then sides are flipped until Delaunay (Lawson 1977, "Software
@@ -220,7 +220,7 @@ def _set(rows, t, x, y, z):
 
 
 @njit(cache=True)
-def _turn_to(faces, across, t, old, new):
+def _replace_neighbour(across, t, old, new):
     """Replace the neighbour `old` of triangle `t`, if there is one, by `new`."""
     if t >= 0:
         for k in range(3):
@@ -242,8 +242,8 @@ def _put(points, faces, across, count, at, p, stack):
     _set(across, second, over_bc, third, at)
     _set(across, third, over_ca, at, second)
     across[at, 1], across[at, 2] = second, third
-    _turn_to(faces, across, over_bc, at, second)
-    _turn_to(faces, across, over_ca, at, third)
+    _replace_neighbour(across, over_bc, at, second)
+    _replace_neighbour(across, over_ca, at, third)
     stack[0], stack[1], stack[2] = 3 * at, 3 * second, 3 * third
     _settle(points, faces, across, stack, 3)
     return count + 2
@@ -300,8 +300,8 @@ def _flip(points, faces, across, t, k):
     _set(faces, u, b, j, a)
     _set(across, t, over_ai, over_ib, u)
     _set(across, u, over_bj, over_ja, t)
-    _turn_to(faces, across, over_ib, u, t)
-    _turn_to(faces, across, over_ja, t, u)
+    _replace_neighbour(across, over_ib, u, t)
+    _replace_neighbour(across, over_ja, t, u)
     return True
 
 

@@ -151,14 +151,14 @@ def _mesh(pattern: Pattern, length: float) -> Cloth:
         made = [m for m in meshes if m is not None]
         if len(made) == len(meshes):
             cloth = _sewn(pattern, parts, made)
-            faulty = _closed_parts(pattern, cloth)
+            faulty = _closed_parts(cloth)
             if not faulty:
                 return _sewn(pattern, parts, _opened(cloth, made))
             finer = {side: CLOSED_PARTS * parts[side] for side in faulty}
         else:
             faulty = [
                 Side(p.name, k)
-                for p, m in zip(pattern.panels, meshes)
+                for p, m in zip(pattern.panels, meshes, strict=True)
                 for k in range(len(p.edges))
                 if m is None
             ]
@@ -243,7 +243,7 @@ def _sewn(pattern: Pattern, parts: Mapping[Side, int], meshes: Sequence[Triangle
     firsts = [0, *np.cumsum(counts).tolist()]
     sides: dict[Side, np.ndarray] = {}
     faces = []
-    for panel, first, (_, own) in zip(pattern.panels, firsts, meshes):
+    for panel, first, (_, own) in zip(pattern.panels, firsts[:-1], meshes, strict=True):
         sides |= _corners(panel, parts, first)
         faces.append(own + first if panel.outline.area > 0 else own[:, ::-1] + first)
     return Cloth(
@@ -274,7 +274,7 @@ def _vertices(
     return rank[vertex]
 
 
-def _closed_parts(pattern: Pattern, cloth: Cloth) -> list[Side]:
+def _closed_parts(cloth: Cloth) -> list[Side]:
     """Sides with a part whose two ends are one vertex."""
     return [
         side

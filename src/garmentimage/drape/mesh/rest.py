@@ -91,7 +91,8 @@ def strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> Float[np.ndarra
     u = first * m[:, 0, 0, None] + second * m[:, 1, 0, None]
     v = first * m[:, 0, 1, None] + second * m[:, 1, 1, None]
     uu, vv, uv = ((a * b).sum(axis=1) for a, b in ((u, u), (v, v), (u, v)))
-    return np.sqrt((uu + vv) / 2 + np.hypot((uu - vv) / 2, uv)) - 1
+    stretch: np.ndarray = np.sqrt((uu + vv) / 2 + np.hypot((uu - vv) / 2, uv)) - 1
+    return stretch
 
 
 def peak_strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> float:
@@ -135,8 +136,10 @@ def _inverse(
 ) -> Float[np.ndarray, "face 2 2"]:
     """Inverse of the matrix with columns u and v, whose determinant is `det`."""
     rows = np.stack([v[:, 1], -v[:, 0], -u[:, 1], u[:, 0]], axis=1) / det[:, None]
-    return rows.reshape(-1, 2, 2)
+    matrices: np.ndarray = rows.reshape(-1, 2, 2)
+    return matrices
 
 
 def _cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    areas: np.ndarray = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    return areas

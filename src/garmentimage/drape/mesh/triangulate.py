@@ -50,7 +50,8 @@ def triangulate(
 
 def cloth_widths(rings: Sequence[Float[np.ndarray, "_ 2"]]) -> Float[np.ndarray, " side"]:
     """How wide the polygon is at the middle of each side, straight inwards."""
-    return inward_widths(np.concatenate(rings), _side_ends(rings), _inward(rings))
+    widths: np.ndarray = inward_widths(np.concatenate(rings), _side_ends(rings), _inward(rings))
+    return widths
 
 
 def split_sides(

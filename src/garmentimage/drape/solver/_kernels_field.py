@@ -1,11 +1,11 @@
 """Compiled loops of the distance field: exact distances, swept distances, winding numbers.
 
 - **Near the surface** (`stamp`): each triangle writes its exact distance at the nodes within a
-  band, where no other triangle is nearer. The sign is that of the pseudonormal of the nearest feature
-  (face, edge or corner; Baerentzen and Aanaes 2005).
+  band, where no other triangle is nearer. The sign is that of the pseudonormal of the nearest
+  feature (face, edge or corner; Baerentzen and Aanaes 2005).
 - **Farther off** (`sweep`): a chamfer distance (Borgefors 1986, "Distance transformations in
-  digital images"): d(p) = min over the 26 neighbours q of d(q) + |p - q|, in one pass forwards and one
-  backwards, each over the 13 neighbours that come before.
+  digital images"): d(p) = min over the 26 neighbours q of d(q) + |p - q|, in one pass forwards and
+  one backwards, each over the 13 neighbours that come before.
 - **Inside** (`count_crossings`): the winding number along each line of nodes in z, as the sum of
   signed crossings of the surface below (Jacobson et al. 2013). Every line is met by triangles whose
   projection to the x-y plane holds it.

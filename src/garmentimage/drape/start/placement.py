@@ -143,11 +143,13 @@ def place_on_body(
 def _place(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Placement]:
     panels = panels_in_world(pattern)
     support = find_support(pattern, panels, body)
-    place = {
-        SupportSite.SHOULDERS: _on_shoulders,
-        SupportSite.WAIST: _at_waist,
-        SupportSite.CHEST: _at_chest,
-    }[support.site](pattern, panels, support, body)
+    match support.site:
+        case SupportSite.SHOULDERS:
+            place = _on_shoulders(panels, support, body)
+        case SupportSite.WAIST:
+            place = _at_waist(pattern, panels, support, body)
+        case SupportSite.CHEST:
+            place = _at_chest(panels, support, body)
     forward = _forward(panels, body, place.up)
     report = Placement(
         site=support.site,
@@ -240,7 +242,7 @@ class _VerticalPlacement:
 
 
 def _on_shoulders(
-    pattern: Pattern, panels: Mapping[str, WorldPanel], support: Support, body: Body
+    panels: Mapping[str, WorldPanel], support: Support, body: Body
 ) -> _VerticalPlacement:
     neck = float(body.landmarks["left_neck_point"][1])
     over = _over_shoulders([seam.points for seam in support.seams], body)
@@ -269,7 +271,8 @@ def _over_shoulders(seams: Sequence[Points], body: Body) -> Float[np.ndarray, " 
     away = np.abs(points[:, 0])
     on = (away >= neck[0]) & (away <= OFF_SHOULDER * end[0])
     line = np.interp(away[on], [neck[0], end[0]], [neck[1], end[1]])
-    return points[on, 1] - line
+    heights: np.ndarray = points[on, 1] - line
+    return heights
 
 
 def _highest(panels: Mapping[str, WorldPanel]) -> float:
@@ -318,9 +321,7 @@ def _has_elastic(pattern: Pattern, edges: Sequence[WorldEdge]) -> bool:
     return bool(labels) and set(labels) == {ELASTIC}
 
 
-def _at_chest(
-    pattern: Pattern, panels: Mapping[str, WorldPanel], support: Support, body: Body
-) -> _VerticalPlacement:
+def _at_chest(panels: Mapping[str, WorldPanel], support: Support, body: Body) -> _VerticalPlacement:
     """The top edge over the bust; it holds where the garment is tight enough under it."""
     level, edges = chest_level(body), support.edges
     if not edges:

@@ -81,7 +81,8 @@ def _levelling(
 ) -> Float[np.ndarray, " n"]:
     """How far up the corners of a panel go for its top edge to be level [cm]."""
     x, y = corners[line[np.argsort(corners[line, 0], kind="stable")], :2].T
-    return level - np.interp(corners[own, 0], x, y)
+    lift: np.ndarray = level - np.interp(corners[own, 0], x, y)
+    return lift
 
 
 @dataclass(frozen=True)

@@ -83,7 +83,8 @@ def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarr
     """Corners along which a sleeve is sewn to the trunk."""
     trunk = np.zeros(cloth.vertex_count, bool)
     trunk[cloth.vertex[~sleeve]] = True
-    return sleeve & trunk[cloth.vertex]
+    sewn: np.ndarray = sleeve & trunk[cloth.vertex]
+    return sewn
 
 
 def _rings(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> list[Int[np.ndarray, " _"]]:
@@ -111,7 +112,8 @@ def _arms_place(
     height = opening @ up
     top, bottom = opening[height.argmax()], opening[height.argmin()]
     width = float(np.hypot(*(bottom - top)))
-    return top + (bottom - top) * (min(width / 2, UNDER_TOP) / max(width, 1e-9))
+    place: np.ndarray = top + (bottom - top) * (min(width / 2, UNDER_TOP) / max(width, 1e-9))
+    return place
 
 
 def _angle(way: Float[np.ndarray, " 2"]) -> float:

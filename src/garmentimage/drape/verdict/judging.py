@@ -267,6 +267,6 @@ def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body:
     left_opening = ~began_through & (after != before).any(axis=0)
     return sorted(
         f"the {limb} went through the cloth"
-        for limb, bad in zip(limbs, through | left_opening)
+        for limb, bad in zip(limbs, through | left_opening, strict=True)
         if bad
     )

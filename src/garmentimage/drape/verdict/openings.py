@@ -145,4 +145,7 @@ def _volumes(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.n
     ux, uy, uz = np.moveaxis(b - a, -1, 0)
     vx, vy, vz = np.moveaxis(c - a, -1, 0)
     wx, wy, wz = np.moveaxis(d - a, -1, 0)
-    return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx)
+    volumes: np.ndarray = (
+        wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx)
+    )
+    return volumes

@@ -43,4 +43,5 @@ def _on_hand(points: Float[np.ndarray, "n 3"], body: Body) -> Bool[np.ndarray, "
         return np.zeros(len(points), bool)
     elbow, wrist = (body.landmarks[name] for name in names)
     off = points * np.where(points[:, :1] < 0, [-1.0, 1.0, 1.0], 1.0) - wrist
-    return (off @ (wrist - elbow) > 0) & (np.linalg.norm(off, axis=1) < HAND)
+    at_hand: np.ndarray = (off @ (wrist - elbow) > 0) & (np.linalg.norm(off, axis=1) < HAND)
+    return at_hand

@@ -40,7 +40,8 @@ class PlacedPanel:
 
     def place(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Panel points in the picture [cm]."""
-        return points @ self.matrix.T + self.offset
+        placed: np.ndarray = points @ self.matrix.T + self.offset
+        return placed
 
     @property
     def polygon(self) -> Float[np.ndarray, "n 2"]:
@@ -53,7 +54,7 @@ def arrange(pattern: Pattern, arrangement: Arrangement = "worn") -> tuple[Placed
     if arrangement == "table" or len(pattern.panels) > WORN_LIMIT:
         return _on_table(pattern)
     backs = _backs(pattern)
-    placed = [_hung(panel, back) for panel, back in zip(pattern.panels, backs)]
+    placed = [_hung(panel, back) for panel, back in zip(pattern.panels, backs, strict=True)]
     front = _pushed_apart([p for p in placed if not p.back])
     back = _pushed_apart([p for p in placed if p.back])
     if front and back:
@@ -73,14 +74,15 @@ def _backs(pattern: Pattern) -> list[bool]:
     depth = [float(_world_centre(p)[2]) for p in pattern.panels]
     middle = (min(depth) + max(depth)) / 2
     backs = []
-    for panel, z in zip(pattern.panels, depth):
+    for panel, z in zip(pattern.panels, depth, strict=True):
         normal = panel.matrix[2, 2] * np.sign(panel.outline.area)
         backs.append(bool(normal < 0 if abs(normal) > _FACING else z < middle))
     return backs
 
 
 def _world_centre(panel: Panel) -> Float[np.ndarray, " 3"]:
-    return panel.to_world(centroid(panel.outline.polygon)[None])[0]
+    middle: np.ndarray = panel.to_world(centroid(panel.outline.polygon)[None])[0]
+    return middle
 
 
 def _hung(panel: Panel, back: bool) -> PlacedPanel:
@@ -125,13 +127,15 @@ def _pushed_apart(placed: list[PlacedPanel]) -> list[PlacedPanel]:
         centre += push.sum(axis=1)
     else:
         return _shelved(placed)
-    return [_moved(p, shift) for p, shift in zip(placed, centre - start)]
+    return [_moved(p, shift) for p, shift in zip(placed, centre - start, strict=True)]
 
 
 def _on_table(pattern: Pattern) -> tuple[PlacedPanel, ...]:
     identity = np.eye(2)
     backs = _backs(pattern)
-    flat = [PlacedPanel(p, identity, np.zeros(2), b) for p, b in zip(pattern.panels, backs)]
+    flat = [
+        PlacedPanel(p, identity, np.zeros(2), b) for p, b in zip(pattern.panels, backs, strict=True)
+    ]
     return tuple(_shelved(flat))
 
 
@@ -140,7 +144,7 @@ def _shelved(placed: list[PlacedPanel]) -> list[PlacedPanel]:
     boxes = np.array([bounds([p]) for p in placed])
     spots, _, _ = lay_out([(float(w), float(h)) for w, h in boxes[:, 1] - boxes[:, 0]])
     wanted = np.array([(spot.x, spot.y) for spot in spots])
-    return [_moved(p, shift) for p, shift in zip(placed, wanted - boxes[:, 0])]
+    return [_moved(p, shift) for p, shift in zip(placed, wanted - boxes[:, 0], strict=True)]
 
 
 def _joined(front: list[PlacedPanel], back: list[PlacedPanel]) -> list[PlacedPanel]:

@@ -223,7 +223,8 @@ def _beside_edge(
     middle, along = (line[k] + line[k + 1]) / 2, line[k + 1] - line[k]
     normal = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-12)
     inward = np.sign(placed.panel.outline.area) * np.sign(np.linalg.det(placed.matrix))
-    return middle + inset * inward * normal
+    place: np.ndarray = middle + inset * inward * normal
+    return place
 
 
 def _draw_grain(placed: PlacedPanel, letter: float, ax: "Axes", *, named: bool) -> None:
@@ -258,7 +259,7 @@ def _grain_arrow(
     line = shapely.LineString([name.middle - half_name, name.middle + half_name])
     lettering = line.buffer(letter) if named else shapely.Polygon()
     low, high = bounds([placed])
-    axes = [np.linspace(a, b, GRAIN_SPOTS) for a, b in zip(low, high)]
+    axes = [np.linspace(a, b, GRAIN_SPOTS) for a, b in zip(low, high, strict=True)]
     spots = np.stack(np.meshgrid(*axes), axis=2).reshape(-1, 2)
     longest = GRAIN_SHARE * float(np.ptp(outline @ along))
     for space in GRAIN_SPACES:
@@ -268,7 +269,8 @@ def _grain_arrow(
             ends = np.stack([spots - half * along, spots + half * along], axis=1)
             free = ends[shapely.contains(room, shapely.linestrings(ends))]
             if len(free):
-                return free[np.argmin(np.hypot(*(free.mean(axis=1) - above).T))]
+                nearest: np.ndarray = free[np.argmin(np.hypot(*(free.mean(axis=1) - above).T))]
+                return nearest
     return None
 
 
@@ -282,7 +284,8 @@ def _inner_point(placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
     if not shape.is_valid or not shape.contains(Point(*centre)):
         inner = shape.buffer(0).representative_point()
         centre = centre if inner.is_empty else np.array([inner.x, inner.y])
-    return placed.place(centre[None])[0]
+    middle: np.ndarray = placed.place(centre[None])[0]
+    return middle
 
 
 @dataclass(frozen=True)

@@ -93,11 +93,13 @@ def _quads(image: GarmentImage, layer: int) -> Float[np.ndarray, "cell 4 2"]:
         image.deformation[layer][:, :, rows, cols].astype(float), 2, 1
     )
     corners = np.stack([np.zeros_like(bottom), bottom, (bottom + right + left + top) / 2, left], 1)
-    return corners - corners.mean(axis=1, keepdims=True)
+    centred: np.ndarray = corners - corners.mean(axis=1, keepdims=True)
+    return centred
 
 
 def _extent(quads: Float[np.ndarray, "cell 4 2"]) -> Float[np.ndarray, " cell"]:
-    return np.maximum(np.ptp(quads, axis=1).max(axis=1), 1e-6)
+    extents: np.ndarray = np.maximum(np.ptp(quads, axis=1).max(axis=1), 1e-6)
+    return extents
 
 
 def _origin(image: GarmentImage, layer: int) -> Float[np.ndarray, " 2"]:
@@ -106,7 +108,8 @@ def _origin(image: GarmentImage, layer: int) -> Float[np.ndarray, " 2"]:
 
 def _stroke(image: GarmentImage) -> float:
     """Line widths shrink on finer grids."""
-    return min(1.0, 16 / image.grid) ** 0.5
+    share: float = min(1.0, 16 / image.grid) ** 0.5
+    return share
 
 
 def _draw_board(image: GarmentImage, layer: int, ax: "Axes") -> None:

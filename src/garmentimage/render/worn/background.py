@@ -49,4 +49,5 @@ def _along(image: Float32[np.ndarray, "row col 3"], size: int) -> Float32[np.nda
     low = np.minimum(place.astype(int), max(len(image) - 2, 0))
     high = np.minimum(low + 1, len(image) - 1)
     share = (place - low)[:, None, None].astype(np.float32)
-    return image[low] * (1 - share) + image[high] * share
+    rows: np.ndarray = image[low] * (1 - share) + image[high] * share
+    return rows

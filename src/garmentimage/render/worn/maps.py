@@ -58,7 +58,8 @@ def panel_numbers(views: Views) -> UInt8[np.ndarray, "row col"]:
 
 def silhouette_levels(views: Views) -> UInt8[np.ndarray, "row col"]:
     """Share of cloth in each pixel, 255 for all of it."""
-    return np.rint(views.silhouette * 255).astype(np.uint8)
+    levels: np.ndarray = np.rint(views.silhouette * 255).astype(np.uint8)
+    return levels
 
 
 def _grey(levels: np.ndarray) -> Any:

@@ -143,12 +143,14 @@ def _mixed(
     first: Tint, second: Tint, share: Float[np.ndarray, "row col"]
 ) -> Float[np.ndarray, "row col 3"]:
     """`first` where the share is 0, `second` where it is 1."""
-    return rgb(first) + share[..., None] * (rgb(second) - rgb(first))
+    colours: np.ndarray = rgb(first) + share[..., None] * (rgb(second) - rgb(first))
+    return colours
 
 
 def _wave(place: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
     """Distance to the nearest whole number."""
-    return np.abs(place - np.rint(place))
+    distance: np.ndarray = np.abs(place - np.rint(place))
+    return distance
 
 
 def _periodic_noise(rng: np.random.Generator, waves: int) -> Float[np.ndarray, "row col"]:
@@ -159,4 +161,5 @@ def _periodic_noise(rng: np.random.Generator, waves: int) -> Float[np.ndarray, "
     share = place - low
     share = share * share * (3 - 2 * share)
     rows = knots[low] + share[:, None] * (knots[(low + 1) % waves] - knots[low])
-    return rows[:, low] + share[None] * (rows[:, (low + 1) % waves] - rows[:, low])
+    values: np.ndarray = rows[:, low] + share[None] * (rows[:, (low + 1) % waves] - rows[:, low])
+    return values

@@ -120,7 +120,8 @@ def open_share_of(
 def _pixel_probes(radius: float, rings: int, spokes: int) -> Int[np.ndarray, "probe 2"]:
     """Probes at whole pixels, none at the pixel itself."""
     probes = np.rint(probe_offsets(radius, rings, spokes)).astype(np.int64)
-    return probes[(probes != 0).any(axis=1)]
+    steps: np.ndarray = probes[(probes != 0).any(axis=1)]
+    return steps
 
 
 def lit_share_of(
@@ -175,4 +176,5 @@ def probe_offsets(radius: float, rings: int, spokes: int) -> Float32[np.ndarray,
     # Every other ring is turned by half a spoke, which keeps the mirrors.
     between = angle + np.pi / spokes
     points[1::2] = far[1::2, None, None] * np.stack([np.cos(between), np.sin(between)], axis=-1)
-    return points.reshape(-1, 2).astype(np.float32)
+    offsets: np.ndarray = points.reshape(-1, 2).astype(np.float32)
+    return offsets

@@ -119,12 +119,12 @@ def surfaces_of(
     normals = vertex_normals(points, faces)
     groups = panel_groups(garment)
     panels = cloth.pattern.panels
-    printed = [_chosen(prints, p.name, p.label, g) for p, g in zip(panels, groups)]
+    printed = [_chosen(prints, p.name, p.label, g) for p, g in zip(panels, groups, strict=True)]
     wanted = {**PAPER_COLOURS, **colours}
     tints = np.array(
         [
             rgb("white" if p else _chosen(wanted, panel.name, panel.label, group))
-            for p, panel, group in zip(printed, panels, groups)
+            for p, panel, group in zip(printed, panels, groups, strict=True)
         ]
     )
     seams, hems = cloth_lines(cloth, sewn=not creased)
@@ -176,7 +176,9 @@ def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
     sewn = coo_array((np.ones(len(rows)), (rows, cols)), shape=(len(panels),) * 2)
     _, item = connected_components(sewn, directed=False)
     dress |= top & np.isin(item, item[dress])
-    return tuple("dress" if d else "top" if t else "bottom" for d, t in zip(dress, top))
+    return tuple(
+        "dress" if d else "top" if t else "bottom" for d, t in zip(dress, top, strict=True)
+    )
 
 
 def cloth_lines(

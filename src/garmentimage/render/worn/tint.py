@@ -68,4 +68,5 @@ def _table() -> UInt8[np.ndarray, " code"]:
     light = (np.arange(_CODES) / (_CODES - 1)) ** 2
     curve = (1 + _OFFSET) * light ** (1 / _POWER) - _OFFSET
     srgb = np.where(light <= _KNEE / _SLOPE, light * _SLOPE, curve)
-    return np.rint(255 * srgb).astype(np.uint8)
+    codes: np.ndarray = np.rint(255 * srgb).astype(np.uint8)
+    return codes

@@ -58,7 +58,8 @@ class Visible(NamedTuple):
 
 def snapped(across: Float[np.ndarray, " n"], samples: int) -> Float[np.ndarray, " n"]:
     """Coordinates from the middle of the picture, from its edge and on the grid [sample]."""
-    return np.rint(across * SUBSAMPLE) / SUBSAMPLE + samples / 2
+    places: np.ndarray = np.rint(across * SUBSAMPLE) / SUBSAMPLE + samples / 2
+    return places
 
 
 class _Buffers(threading.local):
