@@ -1,32 +1,51 @@
-"""The command `garmentimage`: a few lines of terminal over each library call.
+"""The command `garmentimage`: its verbs, and how their errors become exit codes.
 
-Exit codes: 0 done; 1 a round trip gave back another pattern; 2 an input, an option or an output
-path that will not do, told in one sentence, and nothing is written; 3 a bug of ours; 130 stopped
-with Ctrl-C.
+Exit codes: 0 done; 1 a round trip gave back another pattern; 2 invalid input, option or output
+path, reported in one sentence, and nothing is written; 3 a bug of ours; 130 stopped with Ctrl-C.
 """
 
-import argparse
-import difflib
 import os
-import re
 import sys
-from collections.abc import Sequence
-from typing import NoReturn
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from garmentimage import __version__
-from garmentimage.cli.pattern import COMMANDS
-from garmentimage.cli.terminal import Exit, one_line, report_error, say
-from garmentimage.errors import GarmentImageError, quoted
+from garmentimage.cli.terminal import Exit, UsageError, one_line, print_line, report_error
+from garmentimage.errors import GarmentImageError
+
+if TYPE_CHECKING:
+    from cyclopts import App
 
 DEBUG_VARIABLE = "GARMENTIMAGE_DEBUG"
+DESCRIPTION = "Sewing patterns as rasters that neural networks understand, and back."
+EXIT_CODES = (
+    "Exit codes: 0 done, 1 a round trip failed, 2 invalid input, 3 a bug, 130 stopped with Ctrl-C."
+)
 
-
-class _Parser(argparse.ArgumentParser):
-    """A parser that tells a wrong call in one sentence."""
-
-    def error(self, message: str) -> NoReturn:
-        say(f"{self.prog}: {message}; see {self.prog} --help")
-        sys.exit(Exit.USER_ERROR)
+# cyclopts makes options from typed functions and dataclasses, shows their defaults and choices, and
+# loads a verb's module only when it is called; tyro has no groups of verbs and no lazy loading.
+VERBS: Mapping[str, Sequence[str]] = MappingProxyType(
+    {
+        "Patterns": ("pattern:check", "pattern:show"),
+        "GarmentImages": ("pattern:encode", "pattern:decode", "pattern:roundtrip"),
+        "Draft": ("draft:kinds", "draft:bodies", "draft:draft", "draft:sample", "draft:gallery"),
+        "Drape and render": ("drape:drape", "render:render"),
+        "Datasets": ("dataset:recipes", "dataset:build", "dataset:dataset"),
+        "Pictures and texts to patterns": ("picture_and_text:predict", "picture_and_text:edit"),
+        "Latent space": (
+            "latent:interpolate",
+            "latent:transfer",
+            "latent:generate",
+            "latent:nearest",
+        ),
+        "Networks": ("train:train", "evaluate:evaluate"),
+        "Shell": ("usage:completion",),
+    }
+)
+"""Module and function of each verb, by group."""
+SUMMARIES: Mapping[str, str] = MappingProxyType({"draft": "Draft a garment of a kind."})
+"""Of verbs that are slow to load; the others' are the first lines of their docstrings."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,53 +53,58 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    parser = _parser()
-    options, rest = parser.parse_known_args(arguments)
-    if rest and not options.takes_rest:
-        _refuse(rest[0], options.parser)
-    options.rest = rest
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if words == ["--version"]:  # answered before cyclopts is loaded
+        print(f"garmentimage {__version__}")
+        return Exit.OK
+    as_json = False
     try:
-        code = options.run(options)
+        from garmentimage.cli.usage import parse
+
+        verb, bound = parse(command_line(), words)
+        as_json = bool(bound.arguments.get("json"))
+        code: Exit | None = verb(*bound.args, **bound.kwargs)
         sys.stdout.flush()
-        return code
+        return Exit.OK if code is None else code
+    except UsageError as error:
+        print_line(one_line(error))
+        return Exit.USER_ERROR
     except GarmentImageError as error:
-        report_error(error, as_json=options.json)
+        report_error(error, as_json=as_json)
         return Exit.USER_ERROR
     except KeyboardInterrupt:
-        say("stopped")
+        print_line("stopped")
         return Exit.INTERRUPTED
     except BrokenPipeError:
-        # The reader of our output went away, as `head` does; nothing is left to tell anybody.
+        # The reader of our output went away, as `head` does; there is nobody left to inform.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return Exit.OK
-    except Exception as error:  # A bug must not look like a user's mistake.
+    except Exception as error:
         if os.environ.get(DEBUG_VARIABLE):
             raise
-        say(
+        print_line(
             f"a bug in garmentimage ({type(error).__name__}: {one_line(error)}); please report it "
             f"with the file; {DEBUG_VARIABLE}=1 shows where it happened"
         )
         return Exit.BUG
 
 
-def _refuse(word: str, parser: argparse.ArgumentParser) -> NoReturn:
-    """End with what a verb does not know, the option that may have been meant, and its help."""
-    known = re.findall(r"--[\w-]+", parser.format_help())
-    near = difflib.get_close_matches(word.partition("=")[0], known, n=1)
-    parser.error(f"does not know {quoted(word)}" + (f"; did you mean {near[0]}" if near else ""))
+def command_line() -> "App":
+    """All verbs; the module of each is loaded when it is called."""
+    from cyclopts import Group
 
+    from garmentimage.cli.usage import group_of_verbs
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="garmentimage",
-        description="Sewing patterns as rasters that neural networks understand, and back.",
-        epilog="Exit codes: 0 done, 1 a round trip failed, 2 wrong input, 3 a bug, 130 stopped.",
-    )
-    parser.add_argument("--version", action="version", version=f"garmentimage {__version__}")
-    verbs = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in COMMANDS:
-        sub = verbs.add_parser(command.name, help=command.summary, description=command.summary)
-        command.add_arguments(sub)
-        sub.add_argument("--json", action="store_true", help="print the result as JSON")
-        sub.set_defaults(run=command.run, takes_rest=command.takes_rest, parser=sub)
-    return parser
+    app = group_of_verbs("garmentimage", f"{DESCRIPTION}\n\n{EXIT_CODES}", "Options")
+    app.version = __version__
+    number = 0
+    for order, (title, places) in enumerate(VERBS.items()):
+        group = Group(title, sort_key=order)
+        for place in places:
+            name = place.partition(":")[2]
+            summary = SUMMARIES.get(name)
+            app.command(
+                f"garmentimage.cli.{place}", name, group=group, sort_key=number, help=summary
+            )
+            number += 1
+    return app

@@ -1,164 +1,139 @@
-"""The verbs of the command line that make and describe datasets: build, dataset."""
+"""The verbs that make and describe datasets: recipes, build, dataset."""
 
-import argparse
 import shlex
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from garmentimage.cli.terminal import Exit, list_facts, print_json, say, whole_number
+from cyclopts import Parameter
+
+from garmentimage.cli.options import Json, OutFolder, Seed, Whole, need_libraries, within
+from garmentimage.cli.terminal import Progress, list_facts, print_json, print_line, print_table
 from garmentimage.errors import DatasetError
 from garmentimage.system import check_output, shown_path, write_atomically
 
 if TYPE_CHECKING:
     from garmentimage.dataset import BuildSettings, FinishedShard
 
-PRESET = "laptop"
-SHEET_ROWS = 12
+LIBRARIES = ("pyarrow", "distributed")
 
 
-def build_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `build`."""
-    parser.add_argument("recipe", metavar="RECIPE", help="a recipe, such as d2; `list` lists them")
-    parser.add_argument(
-        "-o", "--out", type=Path, metavar="FOLDER", help="where it goes, or is gone on with"
-    )
-    parser.add_argument(
-        "--count", type=whole_number, metavar="N", help=f"rows of each type (as preset {PRESET})"
-    )
-    parser.add_argument(
-        "--unseen", type=whole_number, metavar="N", help="of each type for test only (the same)"
-    )
-    parser.add_argument("--preset", help=f"{PRESET} (default), or paper: as many as there")
-    parser.add_argument("--seed", type=whole_number, default=0, metavar="N")
-    parser.add_argument("--grid", type=whole_number, default=16, metavar="N", help="cells a side")
-    parser.add_argument(
-        "--workers", type=whole_number, default=2, metavar="N", help="processes here (2)"
-    )
-    parser.add_argument(
-        "--scheduler", metavar="URL", help="a running Dask scheduler, tcp://host:8786, instead"
-    )
-
-
-def run_build(options: argparse.Namespace) -> Exit:
-    """Make what is missing of a dataset."""
+def recipes(*, json: Json = False) -> None:
+    """List the recipes of datasets."""
     from garmentimage.dataset import load_recipe, recipe_names
 
-    if options.recipe == "list":
-        return _list_recipes(options, [load_recipe(name) for name in recipe_names()])
-    chosen = load_recipe(options.recipe)
-    if options.out is None:
-        raise DatasetError("name a folder for it with -o")
-    if options.preset is not None and options.count is not None:
-        raise DatasetError("give --count or --preset, not both")
-    preset = options.preset or PRESET
-    if preset not in chosen.presets:
-        raise DatasetError(f"there is no preset {preset!r}; choose {' or '.join(chosen.presets)}")
-    _check_range("--workers", options.workers, 1, 1000)
-    _check_range("--seed", options.seed, 0, 2**62)
-    _need_extra()
-    from tqdm import tqdm
+    found = [load_recipe(name) for name in recipe_names()]
+    if json:
+        print_json(
+            {r.name: {"doc": r.doc, "types": [t.name for t in r.types], "presets": dict(r.presets)}
+             for r in found}
+        )  # fmt: skip
+    else:
+        print_table([each.name, each.doc] for each in found)
 
+
+def build(
+    recipe: str,
+    /,
+    *,
+    out: OutFolder,
+    count: Annotated[Whole | None, Parameter(validator=within(1))] = None,
+    unseen: Whole | None = None,
+    preset: Literal["laptop", "paper"] = "laptop",
+    seed: Seed = 0,
+    grid: Whole = 16,
+    workers: Annotated[Whole, Parameter(validator=within(1, 1000))] = 2,
+    scheduler: Annotated[str | None, Parameter(metavar="URL")] = None,
+    json: Json = False,
+) -> None:
+    """Build a dataset, or resume one that was interrupted.
+
+    Args:
+        recipe: A recipe, such as d2; `garmentimage recipes` lists them.
+        count: Rows of each type; without it, those of the preset.
+        unseen: Rows of each type that is for test only; without it, as many as of the others.
+        preset: Rows of each type: laptop, a few; paper, as many as there.
+        seed: The same seed gives the same rows, on any number of workers.
+        grid: Cells along each side of the images.
+        workers: Processes on this machine.
+        scheduler: Address of a running Dask scheduler, such as tcp://host:8786, used instead.
+    """
+    from garmentimage.dataset import load_recipe
+
+    chosen = load_recipe(recipe)
+    if preset != "laptop" and count is not None:
+        raise DatasetError("give --count or --preset, not both")
+    need_libraries("a dataset", LIBRARIES, "data", DatasetError)
     from garmentimage.dataset import BuildSettings, build_dataset, plan_shards
 
-    count = chosen.presets[preset] if options.count is None else options.count
-    what = BuildSettings(chosen, options.out, count, options.seed, options.grid, options.unseen)
-    rows = sum(len(shard.places) for shard in plan_shards(what))
-    with tqdm(total=rows, unit="row", disable=None, file=sys.stderr, smoothing=0.05) as bar:
+    rows = chosen.presets[preset] if count is None else count
+    settings = BuildSettings(chosen, out, rows, seed, grid, unseen)
+    with Progress("row", sum(len(shard.places) for shard in plan_shards(settings))) as progress:
 
-        def progress(done: "FinishedShard", fresh: bool) -> None:
-            number = done.rows + len(done.failed)
-            if fresh:
-                bar.update(number)
-            elif not bar.disable:  # What was there before does not count for the rate.
-                bar.initial += number
-                bar.n += number
-                bar.refresh()
+        def advance(done: "FinishedShard", is_new: bool) -> None:
+            progress.advance(done.rows + len(done.failed), is_new=is_new)
 
         summary = build_dataset(
-            what,
-            scheduler=options.scheduler,
-            workers=options.workers,
-            progress=progress,
-            command=_command(what),
+            settings,
+            scheduler=scheduler,
+            workers=workers,
+            progress=advance,
+            command=_command(settings),
         )
-    _tell(options, options.out, summary)
-    return Exit.OK
+    _print_summary(out, summary, as_json=json)
 
 
-def _command(what: "BuildSettings") -> str:
+def _command(settings: "BuildSettings") -> str:
     """The command that makes the same rows again."""
     options = {
-        "--count": what.count,
-        "--unseen": what.unseen,
-        "--seed": what.seed,
-        "--grid": what.grid,
-        "-o": what.folder,
+        "--count": settings.count,
+        "--unseen": settings.unseen,
+        "--seed": settings.seed,
+        "--grid": settings.grid,
+        "-o": settings.folder,
     }
     words = (str(w) for name, value in options.items() if value is not None for w in (name, value))
-    return shlex.join(["garmentimage", "build", what.recipe.name, *words])
+    return shlex.join(["garmentimage", "build", settings.recipe.name, *words])
 
 
-def dataset_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `dataset`."""
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="what `build` wrote")
-    parser.add_argument("-o", "--out", type=Path, metavar="SHEET.png", help="draw some of its rows")
-    parser.add_argument("--rows", type=whole_number, default=SHEET_ROWS, metavar="N")
+def dataset(
+    folder: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), metavar="SHEET.png")] = None,
+    rows: Annotated[Whole, Parameter(validator=within(1, 100))] = 12,
+    json: Json = False,
+) -> None:
+    """Describe a dataset, and draw some of its rows.
 
-
-def run_dataset(options: argparse.Namespace) -> Exit:
-    """Describe a dataset, and draw some rows of it."""
-    _check_range("--rows", options.rows, 1, 100)
-    if options.out is not None:
-        check_output(options.out, (".png",), [])
-        if options.folder.resolve() in options.out.resolve().parents:
+    Args:
+        folder: A dataset that `build` wrote.
+        out: Picture of some rows.
+        rows: Rows that are drawn.
+    """
+    if out is not None:
+        check_output(out, (".png",), [])
+        if folder.resolve() in out.resolve().parents:
             raise DatasetError(
-                f"{shown_path(options.out)}: lies in the dataset itself; choose another folder"
+                f"{shown_path(out)}: lies in the dataset itself; choose another folder"
             )
-    _need_extra()
+    need_libraries("a dataset", LIBRARIES, "data", DatasetError)
     from garmentimage.dataset import read_summary, row_sheet
     from garmentimage.render import png_bytes
 
-    summary = read_summary(options.folder)
-    if options.out is not None:
-        write_atomically(options.out, png_bytes(row_sheet(options.folder, options.rows)))
-    _tell(options, options.folder, summary)
-    return Exit.OK
+    summary = read_summary(folder)
+    if out is not None:
+        write_atomically(out, png_bytes(row_sheet(folder, rows)))
+    _print_summary(folder, summary, as_json=json)
 
 
-def _list_recipes(options: argparse.Namespace, recipes: list[Any]) -> Exit:
-    if options.json:
-        print_json(
-            {r.name: {"doc": r.doc, "types": [t.name for t in r.types], "presets": dict(r.presets)}
-             for r in recipes}
-        )  # fmt: skip
-    else:
-        for each in recipes:
-            print(f"{each.name:14} {each.doc}")
-    return Exit.OK
-
-
-def _tell(options: argparse.Namespace, folder: Path, summary: dict[str, Any]) -> None:
-    if options.json:
+def _print_summary(folder: Path, summary: dict[str, Any], *, as_json: bool) -> None:
+    if as_json:
         print_json({"folder": str(folder), **summary})
         return
-    asked = sum(summary["failed"].values()) + summary["rows"]
+    drawn = sum(summary["failed"].values()) + summary["rows"]
     print(
-        f"{shown_path(folder)}: {summary['rows']:,} rows of {asked:,} drawn, "
+        f"{shown_path(folder)}: {summary['rows']:,} rows of {drawn:,} drawn, "
         f"{list_facts(summary['splits'])}"
     )
     for cause, number in summary["failed"].items():
-        say(f"no row because of {cause}: {number}")
-
-
-def _check_range(name: str, value: int, low: int, high: int) -> None:
-    if not low <= value <= high:
-        raise DatasetError(f"{name} is {value}; give {low} to {high}")
-
-
-def _need_extra() -> None:
-    from importlib.util import find_spec
-
-    for name in ("pyarrow", "distributed"):
-        if find_spec(name) is None:
-            raise DatasetError(f"datasets need {name}; install it with `pip install -e '.[data]'`")
+        print_line(f"no row because of {cause}: {number}")

@@ -1,52 +1,67 @@
-"""The verbs of the command line that make patterns: kinds, bodies, draft, sample, gallery."""
+"""The verbs that draft garments: kinds, bodies, draft, sample, gallery."""
 
-import argparse
-import json
+import inspect
+import json as json_module
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from garmentimage.cli.terminal import Exit, print_json, print_written, say, whole_number
+from cyclopts import App, Group, Parameter
+
+from garmentimage.cli.options import (
+    DEFAULT_BODY,
+    Json,
+    MeasuredBody,
+    Out,
+    OutFolder,
+    Whole,
+    within,
+)
+from garmentimage.cli.terminal import (
+    Progress,
+    print_json,
+    print_line,
+    print_table,
+    print_written,
+)
+from garmentimage.cli.usage import group_of_verbs
 from garmentimage.errors import DraftError, OutputError, quoted
-from garmentimage.system import did_you_mean, safe_name, shown_path, write_atomically
+from garmentimage.system import check_output, did_you_mean, safe_name, shown_path, write_atomically
 
 if TYPE_CHECKING:
     from garmentimage.body import BodyMeasurements
-    from garmentimage.draft import Kind, Parameter, Sample, Source
+    from garmentimage.draft import Kind, Parameter as DraftParameter, Sample, Source
 
 RECORDS = "samples.jsonl"
 """One line for each sample: file, seed, index, body, parameters, rejected draws."""
-REASONS_SHOWN = 5
-TEMPLATE_SUFFIX = ".json"
-BODY = "mean-female"
-GALLERY_LEVELS = (("low", 0.0), ("middle", 0.5), ("high", 1.0))
+MAX_REASONS_SHOWN = 5
+ALL_CORES = os.cpu_count() or 1
+PATTERN_SUFFIX = ".json"
+LEVELS = {"low": 0.0, "middle": 0.5, "high": 1.0}
+"""Columns of the gallery: where in its range every parameter is."""
 
 
-# --- kinds ---------------------------------------------------------------------------------------
+# --- kinds, bodies -------------------------------------------------------------------------------
 
 
-def kinds_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `kinds`."""
-    parser.add_argument("kind", nargs="?", metavar="KIND", help="list only this one")
+def kinds(kind: str | None = None, /, *, json: Json = False) -> None:
+    """List the kinds of garments, with their parameters and ranges.
 
-
-def run_kinds(options: argparse.Namespace) -> Exit:
-    """List the kinds of garments with their parameters."""
+    Args:
+        kind: List this kind only.
+    """
     from garmentimage.draft import KINDS
 
-    chosen = [_kind(options.kind)] if options.kind else list(KINDS.values())
-    if options.json:
-        print_json({"kinds": [_kind_facts(kind) for kind in chosen]})
-        return Exit.OK
-    for kind in chosen:
-        print(f"{kind.name}: {kind.doc}")
-        width = max(map(len, kind.parameters))
-        for name, parameter in kind.parameters.items():
-            print(f"  {name:{width}}  {_shown(parameter)}  {parameter.doc}")
+    chosen = [_kind(kind)] if kind else list(KINDS.values())
+    if json:
+        print_json({"kinds": [_kind_facts(each) for each in chosen]})
+        return
+    for each in chosen:
+        print(f"{each.name}: {each.doc}")
+        print_table(([name, _range(p), p.doc] for name, p in each.parameters.items()), indent="  ")
         print()
-    return Exit.OK
 
 
 def _kind_facts(kind: "Kind") -> dict[str, Any]:
@@ -65,80 +80,131 @@ def _kind_facts(kind: "Kind") -> dict[str, Any]:
     }
 
 
-def _shown(parameter: "Parameter") -> str:
+def _range(parameter: "DraftParameter") -> str:
     """The range of a parameter, its default and its unit."""
     if parameter.options:
-        text = " | ".join(map(str, parameter.options)) + f" ({parameter.default})"
-    else:
-        text = f"{parameter.low:g} to {parameter.high:g} ({parameter.default:g}) {parameter.unit}"
-    return f"{text:36}"
+        return " | ".join(map(str, parameter.options)) + f" ({parameter.default})"
+    return f"{parameter.low:g} to {parameter.high:g} ({parameter.default:g}) {parameter.unit}"
 
 
-# --- bodies --------------------------------------------------------------------------------------
+def bodies(
+    body: str | None = None,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), metavar="OUT.json")] = None,
+    json: Json = False,
+) -> None:
+    """List bodies with their measurements [cm], or write those of one to a file.
 
-
-def bodies_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `bodies`."""
-    parser.add_argument("body", nargs="?", metavar="BODY", help="only this one, or a file of yours")
-    parser.add_argument(
-        "-o", "--out", type=Path, metavar="OUT.json", help="write its measurements, to be changed"
-    )
-
-
-def run_bodies(options: argparse.Namespace) -> Exit:
-    """List the bodies with their measurements, or write down one."""
+    Args:
+        body: A shipped body, or a JSON file of measurements; without it, all shipped ones.
+        out: File for the measurements of this body, to be changed and given as --body.
+    """
     from garmentimage.body import presets, save_measurements
 
-    chosen = {options.body: _body(options.body)} if options.body else dict(presets())
-    if options.out:
-        if not options.body:
+    chosen = {body: measured_body(body)} if body else dict(presets())
+    if out:
+        if not body:
             raise DraftError("-o writes the measurements of one body; name it")
-        _check_suffix(options.out)
-        save_measurements(options.out, chosen[options.body])
-        print_written(options, {"measurements": len(asdict(chosen[options.body]))})
-        return Exit.OK
-    if options.json:
-        print_json({"bodies": {name: asdict(body) for name, body in chosen.items()}})
-        return Exit.OK
-    rows = {name: asdict(body) for name, body in chosen.items()}
-    fields = list(next(iter(rows.values())))
-    width = max(map(len, fields))
-    print(f"{'[cm]':{width}}", *(f"{name[:18]:>18}" for name in rows))
-    for field in fields:
-        print(f"{field:{width}}", *(f"{row[field]:18.1f}" for row in rows.values()))
-    return Exit.OK
+        check_output(out, (PATTERN_SUFFIX,), [body])
+        save_measurements(out, chosen[body])
+        print_written(out, {"measurements": len(asdict(chosen[body]))}, as_json=json)
+        return
+    columns = {name: asdict(each) for name, each in chosen.items()}
+    if json:
+        print_json({"bodies": columns})
+        return
+    fields = next(iter(columns.values()))
+    rows = [[field, *(f"{each[field]:.1f}" for each in columns.values())] for field in fields]
+    print_table([["[cm]", *columns], *rows], right=True)
 
 
 # --- draft ---------------------------------------------------------------------------------------
 
 
-def draft_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `draft_pattern`."""
-    parser.add_argument("kind", metavar="KIND", help="see `garmentimage kinds`")
-    parser.add_argument(
-        "--param",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="NAME=VALUE",
-        help="what differs from the defaults; also as --NAME VALUE",
+def __getattr__(name: str) -> App:
+    """The verb `draft`, whose kinds are loaded only where it is called."""
+    if name != "draft":
+        raise AttributeError(name)
+    from garmentimage.draft import KINDS
+
+    app = group_of_verbs(
+        "draft",
+        "Draft a garment of a kind.\n\nEach kind has parameters of its own; see "
+        "`garmentimage draft KIND --help`.",
+        "Kinds",
     )
-    _add_body(parser, "")
-    parser.add_argument("-o", "--out", type=Path, required=True, metavar="OUT.json")
+    for kind in KINDS.values():
+        summary = f"Draft {kind.doc.rstrip('.')}."
+        app.command(_draft_command(kind), name=kind.name, help=summary)
+    return app
 
 
-def run_draft(options: argparse.Namespace) -> Exit:
-    """Draft one garment and save it."""
-    from garmentimage.draft import draft_pattern
-    from garmentimage.pattern.files import save_pattern
+def _draft_command(kind: "Kind") -> Callable[..., None]:
+    """A function whose keyword arguments are the parameters of a kind."""
 
-    _check_suffix(options.out)
-    given = _pairs(options.param) | _options(options.rest)
-    _kind(options.kind)
-    pattern = draft_pattern(options.kind, _body(options.body), **given)
-    save_pattern(pattern, options.out)
-    print_written(options, {"panels": len(pattern.panels), "stitches": len(pattern.stitches)})
-    return Exit.OK
+    def draft(
+        *,
+        out: Path,
+        body: str = DEFAULT_BODY,
+        param: Sequence[str] = (),
+        json: bool = False,
+        **given: Any,
+    ) -> None:
+        from garmentimage.draft import draft_pattern
+        from garmentimage.pattern.files import save_pattern
+
+        check_output(out, (PATTERN_SUFFIX,), [body])
+        parameters = _pairs(param) | given
+        pattern = draft_pattern(kind.name, measured_body(body), **parameters)
+        save_pattern(pattern, out)
+        facts = {"panels": len(pattern.panels), "stitches": len(pattern.stitches)}
+        print_written(out, facts, as_json=json)
+
+    group = Group(f"Parameters of {kind.name}", sort_key=1)
+    options: dict[str, tuple[Any, Any]] = {
+        "out": (Annotated[Out, Parameter(help="The pattern (.json).")], inspect.Parameter.empty),
+        "body": (MeasuredBody, DEFAULT_BODY),
+        "param": (
+            Annotated[
+                list[str],
+                Parameter(
+                    consume_multiple=1,
+                    metavar="NAME=VALUE",
+                    help="Parameters by name, instead of the options below.",
+                    show_default=False,
+                ),
+            ],
+            [],
+        ),
+        "json": (Json, False),
+        **{name: _option(each, group) for name, each in kind.parameters.items()},
+    }
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    draft.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [
+            inspect.Parameter(name, keyword, default=default, annotation=hint)
+            for name, (hint, default) in options.items()
+        ]
+    )
+    draft.__annotations__ = {name: hint for name, (hint, _) in options.items()}
+    return draft
+
+
+def _option(parameter: "DraftParameter", group: Group) -> tuple[Any, Any]:
+    """The type of an option for a parameter, and its default."""
+    if parameter.options:
+        choices = tuple(map(str, parameter.options))
+        shown = Parameter(choices=choices, help=parameter.doc, group=group)
+        return Annotated[str, shown], str(parameter.default)
+    low, high, unit = parameter.low, parameter.high, parameter.unit
+    shown = Parameter(
+        help=f"{parameter.doc} [{low:g} to {high:g}{unit and ' ' + unit}]",
+        validator=within(low, high, unit),
+        show_default=f"{parameter.default:g}",
+        group=group,
+    )
+    return Annotated[float, shown], parameter.default
 
 
 def _pairs(words: Sequence[str]) -> dict[str, str]:
@@ -155,86 +221,68 @@ def _pairs(words: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _options(words: Sequence[str]) -> dict[str, str]:
-    """`--a 1 --b=2` as names and values."""
-    for k, word in enumerate(words):
-        is_value = k > 0 and words[k - 1].startswith("--") and "=" not in words[k - 1]
-        if not is_value and not word.startswith("--"):
-            raise DraftError(f"{quoted(word)} is no parameter; give --NAME VALUE")
-    return _pairs([word.removeprefix("--") for word in words])
+# --- sample, gallery -----------------------------------------------------------------------------
 
 
-# --- sample --------------------------------------------------------------------------------------
+def sample(
+    source: str,
+    /,
+    *,
+    out: OutFolder,
+    count: Whole = 1,
+    seed: Whole = 0,
+    body: MeasuredBody = DEFAULT_BODY,
+    first: Whole = 0,
+    workers: Annotated[Whole, Parameter(show_default="all cores")] = ALL_CORES,
+    json: Json = False,
+) -> None:
+    """Draw random garments from a seed.
 
+    Args:
+        source: A kind of garment, or a template of 2021 with parameters (.json).
+        count: Number of garments.
+        seed: The same seed gives the same garments, on any number of workers.
+        body: A shipped body, a JSON file of measurements, or any to draw the body, too.
+        first: Index of the first garment.
+        workers: Processes.
+    """
+    from garmentimage.draft import sample as draw
 
-def sample_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `sample`."""
-    parser.add_argument(
-        "source", metavar="KIND|TEMPLATE.json", help="a kind, or a 2021 template with parameters"
-    )
-    parser.add_argument("--count", type=whole_number, default=1, metavar="N", help="how many (1)")
-    parser.add_argument("--seed", type=whole_number, default=0, metavar="S", help="0 unless told")
-    _add_body(parser, ", or `any` to draw it, too")
-    parser.add_argument(
-        "--first", type=whole_number, default=0, metavar="K", help="index to begin at (0)"
-    )
-    parser.add_argument(
-        "--workers",
-        type=whole_number,
-        default=os.cpu_count() or 1,
-        metavar="W",
-        help="processes (all)",
-    )
-    parser.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER")
-
-
-def run_sample(options: argparse.Namespace) -> Exit:
-    """Draw garments at random and save them with a record of what was drawn."""
-    from tqdm import tqdm
-
-    from garmentimage.draft import sample
-
-    source = _source(options.source)
-    out: Path = options.out
+    origin = _source(source)
     if out.exists() and not out.is_dir():
         raise OutputError(f"{shown_path(out)}: is a file; name a folder")
-    drawn = sample(
-        source,
-        options.count,
-        options.seed,
-        body=_body(options.body) if _is_file(options.body) else options.body,
-        workers=options.workers,
-        first=options.first,
-    )
+    wearer = measured_body(body) if _is_file(body) else body
+    drawn = draw(origin, count, seed, body=wearer, workers=workers, first=first)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{shown_path(out)}: cannot be made ({error.strerror})") from None
     records = _records(out / RECORDS)
-    count = 0
+    made = 0
     reasons: dict[str, int] = {}
     try:
-        for one in tqdm(drawn, total=options.count, unit="pattern", leave=False, disable=None):
-            records |= _save(one, out)
-            count += 1
-            for reason in one.rejected:
-                reasons[reason] = reasons.get(reason, 0) + 1
+        with Progress("pattern", count) as progress:
+            for one in drawn:
+                records |= _save(one, out)
+                made += 1
+                progress.advance()
+                for reason in one.rejected:
+                    reasons[reason] = reasons.get(reason, 0) + 1
     finally:  # also what was made before Ctrl-C is listed
         write_atomically(out / RECORDS, "".join(f"{line}\n" for line in records.values()))
-    _report(options, count, reasons)
-    return Exit.OK
+    _report(out, made, reasons, as_json=json)
 
 
 def _records(path: Path) -> dict[str, str]:
-    """The lines of a folder's records by file, which new samples join; none where none are."""
+    """The lines of a folder's records by file, which new samples join; none where there is none."""
     if not path.exists():
         return {}
     try:
         lines = path.read_text("utf-8").split("\n")
-        return {str(json.loads(line)["file"]): line for line in lines if line}
+        return {str(json_module.loads(line)["file"]): line for line in lines if line}
     except (OSError, ValueError, TypeError, KeyError):
         raise OutputError(
-            f"{shown_path(path)}: is no list of samples that this one could join; move it, or name "
+            f"{shown_path(path)}: not a list of samples that new ones could join; move it, or name "
             "another folder"
         ) from None
 
@@ -245,61 +293,47 @@ def _save(one: "Sample", folder: Path) -> dict[str, str]:
 
     name = f"{safe_name(one.source)}_{one.seed}_{one.index:06d}.json"
     save_pattern(one.pattern, folder / name)
-    return {name: json.dumps({"file": name, **one.record()}, ensure_ascii=False)}
+    return {name: json_module.dumps({"file": name, **one.record()}, ensure_ascii=False)}
 
 
-def _report(options: argparse.Namespace, count: int, reasons: dict[str, int]) -> None:
+def _report(out: Path, count: int, reasons: dict[str, int], *, as_json: bool) -> None:
     rejected = sum(reasons.values())
     share = rejected / max(count + rejected, 1)
-    if options.json:
-        facts = {"out": str(options.out), "patterns": count, "rejected": rejected}
+    if as_json:
+        facts = {"out": str(out), "patterns": count, "rejected": rejected}
         print_json({**facts, "rejected_share": share, "reasons": reasons})
         return
-    print(f"{shown_path(options.out)}: {count} patterns and {RECORDS}; {rejected} of", end=" ")
-    print(f"{count + rejected} draws rejected ({share:.1%})")
-    for reason, times in sorted(reasons.items(), key=lambda item: -item[1])[:REASONS_SHOWN]:
-        say(f"rejected {times} x: {reason}")
-
-
-# --- gallery -------------------------------------------------------------------------------------
-
-
-def gallery_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `gallery`."""
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help="all unless told")
-    _add_body(parser, "")
-    parser.add_argument("-o", "--out", type=Path, required=True, metavar="OUT.png")
-
-
-def run_gallery(options: argparse.Namespace) -> Exit:
-    """Draw kinds at low, middle and high values of all their parameters on one sheet."""
-    from garmentimage.draft import KINDS, drafted
-    from garmentimage.render import show_sheet
-
-    chosen = [_kind(name) for name in options.kinds] or list(KINDS.values())
-    body = _body(options.body)
-    rows = {
-        kind.name: [drafted(kind, body, level) for _, level in GALLERY_LEVELS] for kind in chosen
-    }
-    show_sheet(rows, columns=[name for name, _ in GALLERY_LEVELS], out=options.out)
-    print_written(options, {"kinds": len(rows)})
-    return Exit.OK
-
-
-# --- shared --------------------------------------------------------------------------------------
-
-
-def _add_body(parser: argparse.ArgumentParser, more: str) -> None:
-    parser.add_argument(
-        "--body",
-        default=BODY,
-        metavar="BODY",
-        help=f"a shipped body or a JSON file of measurements{more} ({BODY})",
+    print(
+        f"{shown_path(out)}: {count} patterns and {RECORDS}; {rejected} of {count + rejected} "
+        f"draws rejected ({share:.1%})"
     )
+    for reason, times in sorted(reasons.items(), key=lambda item: -item[1])[:MAX_REASONS_SHOWN]:
+        print_line(f"rejected {times} x: {reason}")
 
 
-def _body(name: str) -> "BodyMeasurements":
-    """A shipped body, or one from a file."""
+def gallery(*kinds: str, out: Out, body: MeasuredBody = DEFAULT_BODY, json: Json = False) -> None:
+    """Draw kinds at low, middle and high values of all their parameters.
+
+    Args:
+        kinds: Kinds to draw; without any, all.
+        out: The picture (.png or .svg).
+    """
+    from garmentimage.draft import KINDS, drafted
+    from garmentimage.render import SUFFIXES, show_sheet
+
+    check_output(out, SUFFIXES, [])
+    chosen = [_kind(name) for name in kinds] or list(KINDS.values())
+    wearer = measured_body(body)
+    rows = {each.name: [drafted(each, wearer, x) for x in LEVELS.values()] for each in chosen}
+    show_sheet(rows, columns=list(LEVELS), out=out)
+    print_written(out, {"kinds": len(rows)}, as_json=json)
+
+
+# --- Shared --------------------------------------------------------------------------------------
+
+
+def measured_body(name: str) -> "BodyMeasurements":
+    """A shipped body, or one from a file of measurements."""
     from garmentimage.body import load_measurements, measurements
 
     if _is_file(name):
@@ -313,11 +347,6 @@ def _is_file(body: str) -> bool:
     return body.lower().endswith(".json")
 
 
-def _check_suffix(out: Path) -> None:
-    if out.suffix.lower() != ".json":
-        raise OutputError(f"{shown_path(out)}: the name must end in .json")
-
-
 def _kind(name: str) -> "Kind":
     from garmentimage.draft import KINDS
 
@@ -327,7 +356,7 @@ def _kind(name: str) -> "Kind":
 
 
 def _source(name: str) -> "Source":
-    if not name.lower().endswith(TEMPLATE_SUFFIX):
+    if not name.lower().endswith(PATTERN_SUFFIX):
         return _kind(name)
     from garmentimage.draft.templates import Template
 

@@ -1,35 +1,34 @@
-"""The verbs of the command line that explore a latent space: interpolate, transfer and others."""
+"""The verbs of a latent space of garments: interpolate, transfer, generate, nearest."""
 
-import argparse
 import re
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from garmentimage.cli.terminal import (
-    Exit,
-    add_order,
-    errors_about,
-    list_facts,
-    one_line,
-    print_json,
-    say,
-    warn,
-    whole_number,
+from cyclopts import Parameter
+
+from garmentimage.cli.options import (
+    Json,
+    Order,
+    OutFolder,
+    Results,
+    Space,
+    Whole,
+    check_folder,
+    garment_files,
+    make_folder,
+    read_garment,
+    sound_image,
 )
-from garmentimage.errors import LearnError
+from garmentimage.cli.terminal import Progress, garment_facts, garment_words, print_json
 from garmentimage.system import shown_path, write_together
 
 if TYPE_CHECKING:
     from garmentimage.latent import LatentSpace
     from garmentimage.networks import DecodedGarment, StripFrame
-    from garmentimage.pattern import Pattern
-    from garmentimage.raster import GarmentImage
 
-IMAGE_SUFFIXES = (".npz", ".npy")
+DEFAULT_SPACE = "vae-variety"
 
 
 @dataclass(frozen=True)
@@ -42,248 +41,187 @@ class Column:
     step: "DecodedGarment"
 
 
-def interpolate_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `interpolate`."""
-    _files(parser, {"first": "A", "last": "B"})
-    parser.add_argument(
-        "--steps", type=whole_number, default=9, metavar="N", help="with both ends (9)"
+def interpolate(
+    a: Path,
+    b: Path,
+    /,
+    *,
+    out: OutFolder,
+    steps: Whole = 9,
+    space: Space = DEFAULT_SPACE,
+    order: Order = None,
+    json: Json = False,
+) -> None:
+    """Interpolate between two garments in the latent space.
+
+    Args:
+        a: A pattern or a GarmentImage.
+        b: Another.
+        steps: Garments of the interpolation, with both ends.
+    """
+    from garmentimage.latent import interpolate as interpolate_images
+
+    latent = _load(space, out)
+    ends = [read_garment(latent, path, order) for path in (a, b)]
+    first, last = map(sound_image, ends)
+    made = interpolate_images(latent, first, last, steps)
+    columns = [Column(f"step-{k}", f"{k}/{len(made) - 1}", each) for k, each in enumerate(made)]
+    before, after = (
+        Column("", f"{name}, as given", each) for name, each in zip("AB", ends, strict=True)
     )
-    _common(parser)
+    _write(out, [before, *columns, after], len(made) + 2, as_json=json, is_film=True)
 
 
-def run_interpolate(options: argparse.Namespace) -> Exit:
-    """Garments on the way from one to another."""
-    from garmentimage.latent import interpolate
+def transfer(
+    a: Path,
+    b: Path,
+    c: Path,
+    /,
+    *,
+    out: OutFolder,
+    reprojections: Whole = 2,
+    strength: float | None = None,
+    space: Space = DEFAULT_SPACE,
+    order: Order = None,
+    json: Json = False,
+) -> None:
+    """Apply the edit from A to B to another garment C, by latent arithmetic: C + (B - A).
 
-    space = _space(options)
-    a, b = (read_given(space, path, options.order) for path in (options.first, options.last))
-    steps = interpolate(space, _image(a), _image(b), options.steps)
-    columns = [Column(f"step-{k}", f"{k}/{len(steps) - 1}", step) for k, step in enumerate(steps)]
-    ends = Column("", "A, as given", a), Column("", "B, as given", b)
-    return _write(options, [ends[0], *columns, ends[1]], len(steps) + 2, film=True)
+    Args:
+        a: A pattern or a GarmentImage before the edit.
+        b: The same after the edit.
+        c: The garment to edit.
+        reprojections: Times that the result is decoded and encoded again.
+        strength: Factor of B - A; without it, the least from 1 to 2 that changes the topology.
+    """
+    from garmentimage.latent import STRENGTHS, transfer as transfer_edit
 
-
-def transfer_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `transfer`."""
-    _files(parser, {"before": "A", "after": "B", "garment": "C"})
-    parser.add_argument(
-        "--settle",
-        type=whole_number,
-        default=2,
-        metavar="N",
-        help="times that the edited garment is decoded and encoded again (2)",
+    latent = _load(space, out)
+    given = [read_garment(latent, path, order) for path in (a, b, c)]
+    edited = transfer_edit(
+        latent,
+        *map(sound_image, given),
+        reprojections=reprojections,
+        strengths=STRENGTHS if strength is None else (strength,),
     )
-    parser.add_argument(
-        "--strength",
-        type=float,
-        metavar="X",
-        help="times that B - A is added; 1 to 2 without, the least that changes the topology",
-    )
-    _common(parser)
+    columns = [
+        Column("", f"{name}, as given", each) for name, each in zip("ABC", given, strict=True)
+    ]
+    _write(out, [*columns, Column("edited", edited.title, edited.garment)], 4, as_json=json)
 
 
-def run_transfer(options: argparse.Namespace) -> Exit:
-    """What a garment becomes by the edit that makes one of another."""
-    from garmentimage.latent import STRENGTHS, transfer
+def generate(
+    *,
+    out: OutFolder,
+    count: Whole = 6,
+    seed: Whole = 0,
+    kind: Annotated[str | None, Parameter(name="--type", metavar="TYPE")] = None,
+    space: Space = DEFAULT_SPACE,
+    json: Json = False,
+) -> None:
+    """Sample new garments from the latent space.
 
-    space = _space(options)
-    paths = (options.before, options.after, options.garment)
-    a, b, c = (read_given(space, path, options.order) for path in paths)
-    strengths = STRENGTHS if options.strength is None else (options.strength,)
-    images = (_image(each) for each in (a, b, c))
-    edited = transfer(space, *images, reprojections=options.settle, strengths=strengths)
-    given = [Column("", f"{name}, as given", each) for name, each in zip("ABC", (a, b, c))]
-    return _write(options, [*given, Column("edited", edited.title, edited.garment)], 4)
+    Args:
+        count: Number of garments.
+        seed: The same seed gives the same garments.
+        kind: Sample this type only, such as 'top + skirt'.
+    """
+    from garmentimage.latent import generate as sample
 
-
-def generate_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `generate`."""
-    parser.add_argument("--count", type=whole_number, default=6, metavar="N", help="how many (6)")
-    parser.add_argument("--seed", type=whole_number, default=0, metavar="N")
-    parser.add_argument(
-        "--type", metavar="TYPE", help="of one type, such as 'top + skirt'; any without"
-    )
-    _common(parser)
-
-
-def run_generate(options: argparse.Namespace) -> Exit:
-    """New garments."""
-    from garmentimage.latent import generate
-
-    space = _space(options)
-    made = generate(space, options.count, options.seed, type_name=options.type)
-    columns = (
-        Column(f"garment-{k}", f"seed {options.seed}, {k}", step) for k, step in enumerate(made)
-    )
-    return _write(options, columns, options.count)
+    latent = _load(space, out)
+    made = sample(latent, count, seed, type_name=kind)
+    columns = (Column(f"garment-{k}", f"seed {seed}, {k}", each) for k, each in enumerate(made))
+    _write(out, columns, count, as_json=json)
 
 
-def nearest_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `nearest`."""
-    _files(parser, {"garment": "PATTERN"})
-    parser.add_argument("--count", type=whole_number, default=5, metavar="N", help="how many (5)")
-    _common(parser)
+def nearest(
+    garment: Path,
+    /,
+    *,
+    out: OutFolder,
+    count: Whole = 5,
+    space: Space = DEFAULT_SPACE,
+    order: Order = None,
+    json: Json = False,
+) -> None:
+    """Find the training garments that are nearest in the latent space.
 
-
-def run_nearest(options: argparse.Namespace) -> Exit:
-    """The nearest garments that the network was trained on."""
-    from garmentimage.latent import nearest
+    Args:
+        garment: A pattern or a GarmentImage.
+        count: Number of garments.
+    """
+    from garmentimage.latent import nearest as find
     from garmentimage.pattern.files import pattern_text
     from garmentimage.render import compose, picture_bytes
 
-    space = _space(options)
-    source = read_given(space, options.garment, options.order)
-    found = nearest(space, _image(source), options.count)
-    results: dict[str | PathLike[str], bytes | str] = {
-        options.out / f"{row_id}.json": pattern_text(pattern) for row_id, _, pattern in found
+    latent = _load(space, out)
+    source = read_garment(latent, garment, order)
+    found = find(latent, sound_image(source), count)
+    results: Results = {
+        out / f"{row_id}.json": pattern_text(pattern) for row_id, _, pattern in found
     }
-    start = f"{space.config['recipe']}-"
-    told = [f"{row_id.removeprefix(start)}, {apart:.2f} away" for row_id, apart, _ in found]
-    assert source.pattern is not None  # `read_given` has one
+    start = f"{latent.config['recipe']}-"
+    titles = [f"{row_id.removeprefix(start)}, {apart:.2f} away" for row_id, apart, _ in found]
+    assert source.pattern is not None  # `read_garment` has one
     figure = compose(
-        [source.pattern, *(pattern for *_, pattern in found)], titles=[options.garment.stem, *told]
+        [source.pattern, *(pattern for *_, pattern in found)], titles=[garment.stem, *titles]
     )
-    results[options.out / "nearest.png"] = picture_bytes(figure, "png")
-    _put(options, results)
-    if options.json:
-        print_json({"out": str(options.out), "garments": {i: apart for i, apart, _ in found}})
-    else:
-        for row_id, apart, _ in found:
-            print(f"{shown_path(options.out / row_id)}.json: {apart:.2f} away")
-        print(f"{shown_path(options.out / 'nearest.png')}: the garment and all of them")
-    return Exit.OK
+    results[out / "nearest.png"] = picture_bytes(figure, "png")
+    make_folder(out)
+    write_together(results)
+    if json:
+        print_json({"out": str(out), "garments": {name: apart for name, apart, _ in found}})
+        return
+    for row_id, apart, _ in found:
+        print(f"{shown_path(out / row_id)}.json: {apart:.2f} away")
+    print(f"{shown_path(out / 'nearest.png')}: the garment and all of them")
 
 
-# --- what they share -----------------------------------------------------------------------------
+# --- Shared --------------------------------------------------------------------------------------
 
 
-def _files(parser: argparse.ArgumentParser, names: dict[str, str]) -> None:
-    for name, metavar in names.items():
-        parser.add_argument(name, type=Path, metavar=metavar, help="a pattern or a GarmentImage")
-
-
-def _common(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="FOLDER", help="where results go"
-    )
-    parser.add_argument(
-        "--space", default="vae-variety", metavar="NAME", help="a latent space or its folder"
-    )
-    add_order(parser)
-
-
-def _space(options: argparse.Namespace) -> "LatentSpace":
+def _load(space: str, out: Path) -> "LatentSpace":
     from garmentimage.latent import LatentSpace
 
-    check_folder(options.out)
-    return LatentSpace.load(options.space)
-
-
-def check_folder(out: Path) -> None:
-    """Refuse what cannot be a folder of results, before any work is done.
-
-    Raises:
-        LearnError: it is a file, or cannot be looked at.
-    """
-    try:
-        is_file = out.exists() and not out.is_dir()
-    except OSError as error:
-        raise LearnError(
-            f"{shown_path(out)}: cannot be used ({error.strerror}); choose another folder"
-        ) from None
-    if is_file:
-        raise LearnError(f"{shown_path(out)}: is a file; name a folder for the results")
-
-
-def make_folder(out: Path) -> None:
-    """The folder of results, made where it is not there.
-
-    Raises:
-        LearnError: it cannot be.
-    """
     check_folder(out)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LearnError(
-            f"{shown_path(out)}: cannot be made ({error.strerror}); choose another folder"
-        ) from None
-
-
-def read_given(space: "LatentSpace", path: Path, order: str | None = None) -> "DecodedGarment":
-    """A garment of the user's, and a warning where the network has not seen the like."""
-    source: Pattern | GarmentImage
-    if path.suffix.lower() in IMAGE_SUFFIXES:
-        from garmentimage.raster import load_image
-
-        source = load_image(path, order=order)
-    else:
-        from garmentimage.pattern.files import read_pattern
-
-        source, found = read_pattern(path)
-        warn(path, found)
-    with errors_about(path):
-        given = space.locate(source)
-    unlike = space.out_of_distribution(given)
-    if unlike:
-        say(
-            f"warning: {shown_path(path)}: is unlike the garments that {space.folder.name} was "
-            f"trained on ({unlike}); expect little, and see `garmentimage nearest`"
-        )
-    return given
-
-
-def _image(given: "DecodedGarment") -> "GarmentImage":
-    assert given.image is not None  # `LatentSpace.given` has one
-    return given.image
+    return LatentSpace.load(space)
 
 
 def _write(
-    options: argparse.Namespace, columns: Iterable[Column], count: int, *, film: bool = False
-) -> Exit:
-    """Every garment as pattern, raster and drape, a strip of all, and a film.
+    out: Path, columns: Iterable[Column], count: int, *, as_json: bool, is_film: bool = False
+) -> None:
+    """Write every garment as pattern, image and drape, a strip of all, and a film.
 
     Columns without a name are in the strip only, as they are the user's own.
     """
-    from garmentimage.drape.files import drape_bytes
-    from garmentimage.networks import animation as animation, strip
-    from garmentimage.pattern.files import pattern_text
-    from garmentimage.raster import image_bytes
+    from garmentimage.networks import animation, strip
     from garmentimage.render import png_bytes
 
-    drawn = list(_shown(columns, count))
+    drawn = list(_draped(columns, count))
     made = {name: column for name, column in drawn if name}
-    results: dict[str | PathLike[str], bytes | str] = {}
+    results: Results = {}
     for name, column in made.items():
-        path = options.out / name
-        if column.garment.image is not None:
-            results[path.with_suffix(".npz")] = image_bytes(column.garment.image)
-        if column.garment.pattern is not None:
-            results[path.with_suffix(".json")] = pattern_text(column.garment.pattern)
-        if column.worn is not None:
-            results[path.with_suffix(".glb")] = drape_bytes(column.worn, ".glb")
-    results[options.out / "strip.png"] = png_bytes(strip([each for _, each in drawn]))
-    if film:
-        results[options.out / "film.gif"] = animation(list(made.values()))
-    _put(options, results)
-    _remove_older(options.out, next(iter(made)), results)
-    _tell(options, made, film=film)
-    return Exit.OK
+        results |= garment_files(out / name, column)
+    results[out / "strip.png"] = png_bytes(strip([column for _, column in drawn]))
+    if is_film:
+        results[out / "film.gif"] = animation(list(made.values()))
+    make_folder(out)
+    write_together(results)
+    _remove_older(out, next(iter(made)), results)
+    _report(out, made, as_json=as_json, is_film=is_film)
 
 
-def _shown(columns: Iterable[Column], count: int) -> "Iterator[tuple[str, StripFrame]]":
-    from tqdm import tqdm
-
+def _draped(columns: Iterable[Column], count: int) -> "Iterator[tuple[str, StripFrame]]":
     from garmentimage.networks import draped_frame
 
-    for each in tqdm(columns, total=count, unit="garment", disable=None, file=sys.stderr):
-        yield each.name, draped_frame(each.title, each.step)
+    with Progress("garment", count) as progress:
+        for each in columns:
+            yield each.name, draped_frame(each.title, each.step)
+            progress.advance()
 
 
-def _remove_older(
-    folder: Path, name: str, results: Mapping[str | PathLike[str], bytes | str]
-) -> None:
-    """Take away what an earlier run of the same command left and this one did not write."""
+def _remove_older(folder: Path, name: str, results: Results) -> None:
+    """Remove what an earlier run of the same command left and this one did not write."""
     word = re.escape(name.rstrip("0123456789"))
     ours = re.compile(rf"{word}\d*\.(json|npz|glb)", re.ASCII)
     for file in folder.iterdir():
@@ -291,32 +229,16 @@ def _remove_older(
             file.unlink()
 
 
-def _put(options: argparse.Namespace, results: Mapping[str | PathLike[str], bytes | str]) -> None:
-    make_folder(options.out)
-    write_together(results)
-
-
-def _tell(options: argparse.Namespace, made: "Mapping[str, StripFrame]", *, film: bool) -> None:
-    told: list[dict[str, Any]] = [
-        {
-            "name": name,
-            "title": column.title,
-            "panels": len(column.garment.pattern.panels) if column.garment.pattern else 0,
-            "repairs": dict(column.garment.repairs.counts) if column.garment.repairs else {},
-            "faults": [one_line(fault) for fault in column.faults],
-        }
+def _report(out: Path, made: "Mapping[str, StripFrame]", *, as_json: bool, is_film: bool) -> None:
+    rows: list[dict[str, Any]] = [
+        {"name": name, "title": column.title, **garment_facts(column)}
         for name, column in made.items()
     ]
-    if options.json:
-        print_json({"out": str(options.out), "garments": told})
+    if as_json:
+        print_json({"out": str(out), "garments": rows})
         return
-    for each in told:
-        said = f"{shown_path(options.out / each['name'])}: {each['title']}, {each['panels']} panels"
-        repairs = {rule: count for rule, count in each["repairs"].items() if count}
-        if repairs:
-            said += f"; repaired: {list_facts(repairs)}"
-        faults = "; ".join(each["faults"])
-        print(f"{said}; NOT a garment that can be worn: {faults}" if faults else said)
-    print(f"{shown_path(options.out / 'strip.png')}: all of them beside each other")
-    if film:
-        print(f"{shown_path(options.out / 'film.gif')}: the way there and back")
+    for row in rows:
+        print(f"{shown_path(out / row['name'])}: {row['title']}, {garment_words(row)}")
+    print(f"{shown_path(out / 'strip.png')}: all of them beside each other")
+    if is_film:
+        print(f"{shown_path(out / 'film.gif')}: forwards and backwards")

@@ -1,58 +1,38 @@
-"""The verbs of the command line: a few lines over each library call.
+"""The verbs of patterns and their images: check, show, encode, decode, roundtrip."""
 
-Each imports what it needs when it runs, so that the command starts quickly. A new verb is a row
-of `COMMANDS`, at the end.
-"""
-
-import argparse
 import json
-import sys
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from garmentimage.cli.dataset import build_arguments, dataset_arguments, run_build, run_dataset
-from garmentimage.cli.draft import (
-    bodies_arguments,
-    draft_arguments,
-    gallery_arguments,
-    kinds_arguments,
-    run_bodies,
-    run_draft,
-    run_gallery,
-    run_kinds,
-    run_sample,
-    sample_arguments,
+from cyclopts import Parameter
+
+from garmentimage.cli.options import (
+    IMAGE_SUFFIXES,
+    Files,
+    Grid,
+    Json,
+    Order,
+    Out,
+    Whole,
+    is_image,
+    read_pattern_file,
+    read_soft_image,
+    read_source,
+    within,
 )
-from garmentimage.cli.drape import IMAGE_SUFFIXES, drape_arguments, run_drape
-from garmentimage.cli.evaluate import evaluate_arguments, run_evaluate
-from garmentimage.cli.latent import (
-    generate_arguments,
-    interpolate_arguments,
-    nearest_arguments,
-    run_generate,
-    run_interpolate,
-    run_nearest,
-    run_transfer,
-    transfer_arguments,
-)
-from garmentimage.cli.predict import predict_arguments, run_predict
-from garmentimage.cli.render import render_arguments, run_render
 from garmentimage.cli.terminal import (
     Exit,
-    add_order,
+    Progress,
     error_facts,
     errors_about,
     list_facts,
     one_line,
+    print_findings,
     print_json,
+    print_line,
     print_written,
-    say,
-    warn,
 )
-from garmentimage.cli.text_edit import edit_arguments, run_edit
-from garmentimage.cli.train import run_train, train_arguments
 from garmentimage.errors import GarmentImageError, PatternError, PatternFileError
 from garmentimage.system import check_output, shown_path, write_atomically
 
@@ -61,205 +41,97 @@ if TYPE_CHECKING:
     from garmentimage.pattern import Finding, Pattern
     from garmentimage.raster import GarmentImage
 
-FAILURES_SHOWN = 20
-ROUNDTRIP_COLUMNS = """\
-columns of the table:
-  kind      name of the folder
-  success   files that came back as the same garment: as many panels, each with an
-            IoU of 0.9 or more, and the same seams, as long within 2 % or 0.5 cm
-  no marks  the same from the channels alone: names and places of panels forgotten
-  cut       files with panels that were cut to lie on front and back; without marks
-            they stay cut, so these cannot count in the column before
-  IoU       shared over joint area of a panel and its original, 1 is equal;
-            mean and least of all panels
-  gap cm    largest distance of a boundary from the original one
-  seams     share of seams that came back between the same panels and as long
-  ms        median time; the first file of each process, which compiles, left out
-  errors    files that ended with an error, by class; Lost: one that took longer
-            than 60 s and was given up (with --workers 0, none is), or whose
-            process died
-
-Images keep no notches, no names of edges and no fields beside panels and
-stitches; these are not judged.
-"""
+MAX_FAILURES_SHOWN = 20
 
 
-@dataclass(frozen=True)
-class Command:
-    """One verb of the command line."""
-
-    name: str
-    summary: str
-    add_arguments: Callable[[argparse.ArgumentParser], None]
-    run: Callable[[argparse.Namespace], Exit]
-    takes_rest: bool = False
-    """Options that the parser does not know are left to `run`."""
+# --- check, show ---------------------------------------------------------------------------------
 
 
-# --- check ---------------------------------------------------------------------------------------
+def check(*files: Files, json: Json = False) -> Exit:
+    """Report what patterns and images hold, and what is odd about them.
 
-
-def _check_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
-
-
-def _check(options: argparse.Namespace) -> Exit:
+    Args:
+        files: Patterns (.json) and images (.npz, .npy).
+    """
     code, rows = Exit.OK, []
-    for path in options.files:
+    for path in files:
         try:
-            row, found = _facts(path)
+            facts, findings = _facts(path)
         except GarmentImageError as error:
             code = Exit.USER_ERROR
             rows.append({"file": str(path), "ok": False, **error_facts(error)})
-            say(f"error: {one_line(error)}")
+            print_line(f"error: {one_line(error)}")
             continue
-        codes = [f.code for f in found if f.code]
-        warnings = [str(f) for f in found]
-        rows.append({"file": str(path), "ok": True, **row, "warnings": warnings, "codes": codes})
-        warn(path, found)
-        if not options.json:
-            print(f"{shown_path(path)}: ok, {list_facts(row)}")
-    if options.json:
+        codes = [each.code for each in findings if each.code]
+        warnings = [str(each) for each in findings]
+        rows.append({"file": str(path), "ok": True, **facts, "warnings": warnings, "codes": codes})
+        print_findings(path, findings)
+        if not json:
+            print(f"{shown_path(path)}: ok, {list_facts(facts)}")
+    if json:
         print_json({"files": rows})
     return code
 
 
 def _facts(path: Path) -> tuple[dict[str, Any], "Sequence[Finding]"]:
     """What a good file holds, and the findings about it."""
-    if _is_image(path):
+    if is_image(path):
         from garmentimage.raster import load_image
 
         return _image_facts(load_image(path)), ()
-    pattern, found = _read_pattern(path)
-    return _pattern_facts(pattern), found
+    from garmentimage.pattern.files import read_pattern
+
+    pattern, findings = read_pattern(path)
+    return _pattern_facts(pattern), findings
 
 
-# --- encode --------------------------------------------------------------------------------------
+def show(
+    *files: Files,
+    out: Out,
+    round_trip: bool = False,
+    grid: Grid = 16,
+    order: Order = None,
+    json: Json = False,
+) -> None:
+    """Draw patterns and GarmentImages beside each other.
 
+    Args:
+        files: Patterns and images.
+        out: The picture (.png or .svg).
+        round_trip: Encode one pattern, decode it, and draw all three.
+    """
+    from garmentimage.render import SUFFIXES, show as draw
 
-def _encode_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", type=Path, metavar="FILE", help="a pattern (JSON)")
-    _add_out(parser, "OUT.npz", "the image; .npy writes the layout of the GarmentImage authors")
-    _add_grid(parser)
-    parser.add_argument(
-        "--no-verify",
-        dest="verify",
-        action="store_false",
-        help="do not decode the image to see whether it brings the pattern back",
-    )
-
-
-def _encode(options: argparse.Namespace) -> Exit:
-    from garmentimage.raster import save_image
-    from garmentimage.raster.encode import encode
-
-    check_output(options.out, IMAGE_SUFFIXES, [options.file])
-    pattern, found = _read_pattern(options.file)
-    warn(options.file, found)
-    with errors_about(options.file):
-        image = encode(pattern, grid=options.grid, verify=options.verify)
-    save_image(image, options.out)
-    print_written(options, _image_facts(image))
-    return Exit.OK
-
-
-# --- decode --------------------------------------------------------------------------------------
-
-
-def _decode_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", type=Path, metavar="FILE", help="an image (.npz or .npy)")
-    _add_out(parser, "OUT.json", "the pattern")
-    parser.add_argument(
-        "--repair",
-        choices=("full", "paper", "none"),
-        default="full",
-        help="what to mend before decoding (default: full)",
-    )
-    parser.add_argument(
-        "--kind",
-        choices=("shares", "logits", "channels"),
-        help="what the numbers of a .npy are: probabilities, logits, or channels to be decided at "
-        ".5 (default: judged by all of them)",
-    )
-    add_order(parser)
-
-
-def _decode(options: argparse.Namespace) -> Exit:
-    from garmentimage.pattern.files import save_pattern
-    from garmentimage.raster.decode import decode
-    from garmentimage.raster.repair import repair
-
-    check_output(options.out, (".json",), [options.file])
-    source = _read_image(options.file, options.order)
-    with errors_about(options.file):
-        image, report = repair(source, options.repair, kind=options.kind)
-        pattern = decode(image, repair=options.repair)
-    save_pattern(pattern, options.out)
-    mended = {rule: int(count) for rule, count in report.counts.items() if count}
-    if report.is_guess:
-        name = shown_path(options.file)
-        say(f"{name}: its numbers are read as {report.kind}; give --kind if they are not")
-    if mended:
-        say(f"repaired: {shown_path(options.file)}: {list_facts(mended)}")
-    print_written(options, _pattern_facts(pattern), repaired=mended, kind=report.kind)
-    return Exit.OK
-
-
-# --- show ----------------------------------------------------------------------------------------
-
-
-def _show_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="patterns and images")
-    _add_out(parser, "OUT.png", "the picture (.png or .svg)")
-    parser.add_argument(
-        "--round-trip",
-        action="store_true",
-        help="encode one pattern, decode it, and draw all three beside each other",
-    )
-    _add_grid(parser)
-    add_order(parser)
-
-
-def _show(options: argparse.Namespace) -> Exit:
-    from garmentimage.render import SUFFIXES, show
-
-    check_output(options.out, SUFFIXES, options.files)
-    sources: list[Pattern | GarmentImage] = []
-    for path in options.files:
-        if _is_image(path):
-            from garmentimage.raster import load_image
-
-            sources.append(load_image(path, order=options.order))
-        else:
-            pattern, found = _read_pattern(path)
-            warn(path, found)
-            sources.append(pattern)
-    if options.round_trip:
-        _show_round_trip(options, sources)
+    check_output(out, SUFFIXES, files)
+    sources = [read_source(path, order) for path in files]
+    if round_trip:
+        _show_round_trip(files[0], sources, out, grid)
     else:
-        show(*sources, out=options.out)
-    print_written(options, {"sources": len(sources)})
-    return Exit.OK
+        draw(*sources, out=out)
+    print_written(out, {"sources": len(sources)}, as_json=json)
 
 
-def _show_round_trip(options: argparse.Namespace, sources: "list[Pattern | GarmentImage]") -> None:
+def _show_round_trip(
+    file: Path, sources: "list[Pattern | GarmentImage]", out: Path, grid: int
+) -> None:
     from garmentimage.pattern import Pattern
-    from garmentimage.raster.decode import decode
-    from garmentimage.raster.encode import encode
-    from garmentimage.render import show
+    from garmentimage.raster.decode import decode as decode_image
+    from garmentimage.raster.encode import encode as encode_pattern
+    from garmentimage.render import show as draw
 
-    if len(sources) != 1 or not isinstance(sources[0], Pattern):
-        raise PatternFileError("--round-trip draws the way of one pattern file; give just that")
-    with errors_about(options.files[0]):
-        image = encode(sources[0], grid=options.grid)
-        again = decode(image)
-    show(
-        sources[0],
+    pattern = sources[0]
+    if len(sources) != 1 or not isinstance(pattern, Pattern):
+        raise PatternFileError("--round-trip draws one pattern file; give just that")
+    with errors_about(file):
+        image = encode_pattern(pattern, grid=grid)
+        again = decode_image(image)
+    draw(
+        pattern,
         image,
         again,
-        out=options.out,
+        out=out,
         titles=(
-            f"{sources[0].name}, sewing pattern",
+            f"{pattern.name}, sewing pattern",
             f"GarmentImage, {image.grid} x {image.grid}",
             "decoded pattern",
         ),
@@ -267,48 +139,138 @@ def _show_round_trip(options: argparse.Namespace, sources: "list[Pattern | Garme
     )
 
 
+# --- encode, decode ------------------------------------------------------------------------------
+
+
+def encode(
+    pattern: Path,
+    /,
+    *,
+    out: Out,
+    grid: Grid = 16,
+    verify: Annotated[bool, Parameter(negative="--no-verify")] = True,
+    json: Json = False,
+) -> None:
+    """Turn a pattern into a GarmentImage.
+
+    Args:
+        pattern: A pattern (.json).
+        out: The image; .npz, or .npy in the layout of the GarmentImage authors.
+        verify: Decode the image, too, and refuse one that does not bring the pattern back.
+    """
+    from garmentimage.raster import save_image
+    from garmentimage.raster.encode import encode as encode_pattern
+
+    check_output(out, IMAGE_SUFFIXES, [pattern])
+    source = read_pattern_file(pattern)
+    with errors_about(pattern):
+        image = encode_pattern(source, grid=grid, verify=verify)
+    save_image(image, out)
+    print_written(out, _image_facts(image), as_json=json)
+
+
+def decode(
+    image: Path,
+    /,
+    *,
+    out: Out,
+    repair: Literal["full", "paper", "none"] = "full",
+    kind: Literal["shares", "logits", "channels"] | None = None,
+    order: Order = None,
+    json: Json = False,
+) -> None:
+    """Turn a GarmentImage into a pattern.
+
+    Args:
+        image: An image (.npz or .npy).
+        out: The pattern (.json).
+        repair: What is mended before decoding.
+        kind: What the numbers of a .npy are: probabilities, logits, or channels with a threshold
+            at 0.5; without it, detected from all of them.
+    """
+    from garmentimage.pattern.files import save_pattern
+    from garmentimage.raster.decode import decode as decode_image
+    from garmentimage.raster.repair import repair as repair_image
+
+    check_output(out, (".json",), [image])
+    source = read_soft_image(image, order)
+    with errors_about(image):
+        sound, report = repair_image(source, repair, kind=kind)
+        pattern = decode_image(sound, repair=repair)
+    save_pattern(pattern, out)
+    repaired = {rule: int(count) for rule, count in report.counts.items() if count}
+    if report.is_guess:
+        print_line(
+            f"{shown_path(image)}: its numbers are read as {report.kind}; give --kind if they are "
+            "not"
+        )
+    if repaired:
+        print_line(f"repaired: {shown_path(image)}: {list_facts(repaired)}")
+    facts = _pattern_facts(pattern)
+    print_written(out, facts, as_json=json, repaired=repaired, kind=report.kind)
+
+
 # --- roundtrip -----------------------------------------------------------------------------------
 
 
-def _roundtrip_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = ROUNDTRIP_COLUMNS
-    parser.add_argument(
-        "paths", nargs="+", type=Path, metavar="FILE_OR_FOLDER", help="patterns; folders hold more"
-    )
-    parser.add_argument("--report", type=Path, metavar="OUT.json", help="every file's result")
-    parser.add_argument(
-        "--workers", type=_workers, help="processes (default: one for each core; 0: in this one)"
-    )
-    _add_grid(parser)
+def roundtrip(
+    *paths: Files,
+    report: Annotated[Path | None, Parameter(metavar="OUT.json")] = None,
+    workers: Annotated[Whole | None, Parameter(validator=within(0, 999))] = None,
+    grid: Grid = 16,
+    json: Json = False,
+) -> Exit:
+    """Encode and decode patterns, and judge whether they come back the same.
 
+    Columns of the table:
+      kind      name of the folder
+      success   files that came back as the same garment: as many panels, each with an
+                IoU of 0.9 or more, and the same seams, as long within 2 % or 0.5 cm
+      no marks  the same from the channels alone: names and places of panels removed
+      cut       files with panels that were cut to lie on front and back; without marks
+                they stay cut, so these cannot count in the column before
+      IoU       shared over joint area of a panel and its original, 1 is equal;
+                mean and least of all panels
+      gap cm    largest distance of a boundary from the original one
+      seams     share of seams that came back between the same panels and as long
+      ms        median time; the first file of each process, which compiles, left out
+      errors    files that ended with an error, by class; Lost: stopped after 60 s
+                (never with --workers 0), or its process died
 
-def _roundtrip(options: argparse.Namespace) -> Exit:
-    from tqdm import tqdm
+    Images keep no notches, no names of edges and no fields beside panels and stitches; these are
+    not judged.
 
+    Args:
+        paths: Pattern files, and folders of them.
+        report: File with the result of every pattern.
+        workers: Processes, 0 for none but this one; without it, one for each core.
+    """
     from garmentimage.metrics import report_to_json, roundtrip_many, summarise, summary_table
 
-    files = _pattern_files(options.paths)
-    if options.report is not None:
-        check_output(options.report, (".json",), files)
-    # disable=None: a progress bar on a terminal only.
-    with tqdm(total=len(files), unit="file", disable=None, file=sys.stderr) as bar:
+    files = _pattern_files(paths)
+    if report is not None:
+        check_output(report, (".json",), files)
+    with Progress("file", len(files)) as progress:
         reports = roundtrip_many(
-            files, options.grid, workers=options.workers, progress=lambda _: bar.update()
+            files, grid, workers=workers, progress=lambda _: progress.advance()
         )
-    data = report_to_json(reports, options.grid)
-    if options.report is not None:
-        write_atomically(options.report, json.dumps(data, indent=1) + "\n")
-    if options.json:
+    data = report_to_json(reports, grid)
+    if report is not None:
+        write_atomically(report, _json_text(data))
+    if json:
         print_json(data)
     else:
         print(summary_table(summarise(reports)))
-    failed = [r for r in reports if not r.with_marks.success]
-    for report in failed[:FAILURES_SHOWN]:
-        say(f"{report.file}: {one_line(_reason(report))}")
-    if len(failed) > FAILURES_SHOWN:
-        say(f"and {len(failed) - FAILURES_SHOWN} more; --report writes them all")
+    failed = [each for each in reports if not each.with_marks.success]
+    for each in failed[:MAX_FAILURES_SHOWN]:
+        print_line(f"{each.file}: {one_line(_reason(each))}")
+    if len(failed) > MAX_FAILURES_SHOWN:
+        print_line(f"and {len(failed) - MAX_FAILURES_SHOWN} more; --report writes them all")
     return Exit.NOT_THE_SAME if failed else Exit.OK
+
+
+def _json_text(data: Any) -> str:
+    return json.dumps(data, indent=1) + "\n"
 
 
 def _reason(report: "FileReport") -> str:
@@ -330,13 +292,13 @@ def _pattern_files(paths: Iterable[Path]) -> list[Path]:
             ) from None
         if is_folder:
             inside = sorted(path.rglob("*.json"))
-            patterns = [f for f in inside if not _holds_no_pattern(f)]
+            patterns = [file for file in inside if not _holds_no_pattern(file)]
             if not patterns:
                 raise PatternFileError(f"{shown_path(path)}: no .json file in it holds a pattern")
             found.update(dict.fromkeys(patterns))
             if others := len(inside) - len(patterns):
                 holds = "file holds" if others == 1 else "files hold"
-                say(f"{shown_path(path)}: {others} {holds} no pattern, skipped")
+                print_line(f"{shown_path(path)}: {others} {holds} no pattern, skipped")
         elif is_file:
             found[path] = None
         else:
@@ -351,56 +313,11 @@ def _holds_no_pattern(path: Path) -> bool:
     try:
         data = parse(read_bytes(path))
     except (PatternError, LongInteger):
-        return False  # a damaged pattern perhaps: its round trip tells what is wrong
+        return False  # a damaged pattern perhaps: its round trip reports what is wrong
     return not (isinstance(data, dict) and "pattern" in data)
 
 
-# --- options -------------------------------------------------------------------------------------
-
-
-def _add_out(parser: argparse.ArgumentParser, metavar: str, text: str) -> None:
-    parser.add_argument("-o", "--out", type=Path, required=True, metavar=metavar, help=text)
-
-
-def _add_grid(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--grid", type=_grid, default=16, metavar="N", help="cells along each side (default: 16)"
-    )
-
-
-def _grid(text: str) -> int:
-    from garmentimage.raster.encode import GRIDS
-
-    low, high = GRIDS
-    if not (text.isascii() and text.isdigit() and low <= int(text[:9]) <= high) or int(text) % 2:
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is no even number from {low} to {high}")
-    return int(text)
-
-
-def _workers(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 4):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is no number of processes")
-    return int(text)
-
-
-# --- files ---------------------------------------------------------------------------------------
-
-
-def _is_image(path: Path) -> bool:
-    return path.suffix.lower() in IMAGE_SUFFIXES
-
-
-def _read_pattern(path: Path) -> "tuple[Pattern, tuple[Finding, ...]]":
-    from garmentimage.pattern.files import read_pattern
-
-    return read_pattern(path)
-
-
-def _read_image(path: Path, order: str | None) -> Any:
-    """An `.npz` as an image; a `.npy` as channels, so that soft values reach the repair."""
-    from garmentimage.raster import load_channels, load_image
-
-    return load_channels(path, order=order) if path.suffix.lower() == ".npy" else load_image(path)
+# --- Reports -------------------------------------------------------------------------------------
 
 
 def _pattern_facts(pattern: "Pattern") -> dict[str, Any]:
@@ -409,40 +326,3 @@ def _pattern_facts(pattern: "Pattern") -> dict[str, Any]:
 
 def _image_facts(image: "GarmentImage") -> dict[str, Any]:
     return {"grid": image.grid, "layers": image.layers, "cells": int(image.inside.sum())}
-
-
-COMMANDS = (
-    Command(
-        "check", "say what patterns and images hold, and what is odd", _check_arguments, _check
-    ),
-    Command("encode", "turn a pattern into a GarmentImage", _encode_arguments, _encode),
-    Command("decode", "turn a GarmentImage into a pattern", _decode_arguments, _decode),
-    Command("show", "draw patterns and GarmentImages beside each other", _show_arguments, _show),
-    Command(
-        "roundtrip",
-        "encode and decode patterns, and judge what comes back",
-        _roundtrip_arguments,
-        _roundtrip,
-    ),
-    Command("kinds", "list what can be drafted, with parameters", kinds_arguments, run_kinds),
-    Command("bodies", "list bodies with their measurements", bodies_arguments, run_bodies),
-    Command("draft", "draft a garment", draft_arguments, run_draft, takes_rest=True),
-    Command("sample", "draw garments at random, from a seed", sample_arguments, run_sample),
-    Command(
-        "gallery", "draw the kinds at low, middle and high values", gallery_arguments, run_gallery
-    ),
-    Command("drape", "put garments on a body", drape_arguments, run_drape),
-    Command("render", "photograph a garment on a body", render_arguments, run_render),
-    Command("build", "make a dataset, or go on with one", build_arguments, run_build),
-    Command("dataset", "describe a dataset and draw rows of it", dataset_arguments, run_dataset),
-    Command("train", "train a network on a dataset, or go on with it", train_arguments, run_train),
-    Command(
-        "interpolate", "garments on the way from A to B", interpolate_arguments, run_interpolate
-    ),
-    Command("transfer", "what C becomes by the edit from A to B", transfer_arguments, run_transfer),
-    Command("generate", "draw new garments from a seed", generate_arguments, run_generate),
-    Command("nearest", "find the nearest training garments", nearest_arguments, run_nearest),
-    Command("edit", "what a text makes of a garment: 'long sleeves'", edit_arguments, run_edit),
-    Command("predict", "the pattern of a garment in a picture", predict_arguments, run_predict),
-    Command("evaluate", "measure networks on held-out garments", evaluate_arguments, run_evaluate),
-)
