@@ -89,7 +89,7 @@ explore: $(VENV)/ready-dev
 		$(BIN)/garmentimage train vae --data $$data --epochs $$3 \
 			-o runs/vae-$$1; \
 		$(BIN)/garmentimage train vector-vae --data $$data --epochs $$4 -o runs/vector-vae-$$1; \
-		$(BIN)/garmentimage evaluate explore --data $$data --vae runs/vae-$$1/model \
+		$(BIN)/garmentimage evaluate latent --data $$data --vae runs/vae-$$1/model \
 			--vectors runs/vector-vae-$$1/model -o runs/explore-$$1; \
 	done
 

@@ -7,7 +7,7 @@ set -eu
 run=$1
 export OMP_NUM_THREADS=1
 
-whole="--as-paper recombine --as-paper recolour" # garments as they are
+whole="--ablate recombine --ablate recolour" # garments as they are
 
 train() { # name, network, epochs, further words
     name=$1 network=$2 epochs=$3
@@ -31,11 +31,11 @@ for recipe in d2 d1; do
         train panel-pool panel-pool 30
         train short cascade 8
         for part in recombine recolour shares; do
-            train "short-without-$part" cascade 8 --as-paper "$part"
+            train "short-without-$part" cascade 8 --ablate "$part"
         done
         train short-whole cascade 8 $whole
         for part in losses noise weights mirror dropout all; do
-            train "short-whole-without-$part" cascade 8 $whole --as-paper "$part"
+            train "short-whole-without-$part" cascade 8 $whole --ablate "$part"
         done
     fi
     "$run" evaluate image --recipe "$recipe" -o "runs/image-$recipe"

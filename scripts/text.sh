@@ -32,7 +32,7 @@ wait $!
 if [ $vectors ]; then
     train vector-vae vector-vae 80 "$@"
     train vector-pictures image-decoder 24 --vae $runs-vector-vae/model "$@"
-    vectors="--vectors $runs-vector-vae/model --vector-pictures $runs-vector-pictures/model"
+    vectors="--vectors $runs-vector-vae/model --vector-image-decoder $runs-vector-pictures/model"
 fi
-"$run" evaluate edit --data $data --space $runs-vae/model --pictures $runs-pictures/model \
-    --denoiser $runs-denoiser/model $vectors --edited $garments -o $measured
+"$run" evaluate text --data $data --space $runs-vae/model --image-decoder $runs-pictures/model \
+    --denoiser $runs-denoiser/model $vectors --garments $garments -o $measured

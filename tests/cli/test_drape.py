@@ -24,10 +24,7 @@ FEW = ("--vertices", "400")
 
 def run(capsys, *words):
     capsys.readouterr()
-    try:
-        code = main([str(w) for w in words])
-    except SystemExit as stop:
-        code = stop.code
+    code = main([str(w) for w in words])
     out, err = capsys.readouterr()
     return code, out, err
 
@@ -204,14 +201,14 @@ def test_a_bad_drape_is_refused_or_kept_with_a_warning(capsys, tmp_path):
         (("drape", DRESS, "--body", "none.obj"), "there is no such file"),
         (("drape", DRESS, "--body", "me.json"), "measurements have no shape"),
         (("drape", DRESS, "--body", "me.obj", "--pose", "a"), "--pose is for shipped bodies"),
-        (("drape", DRESS, "--pose", "z"), "there is no pose 'z'"),
+        (("drape", DRESS, "--pose", "z"), "--pose is 'z'; choose t or a"),
         (("drape", DRESS, "--fabric", "coton"), "did you mean cotton"),
-        (("drape", DRESS, "--view", "above"), "choose front, back, side, turned"),
-        (("drape", DRESS, "--size", "5000"), "from 16 to 2048"),
-        (("drape", DRESS, "--size", "big"), "from 16 to 2048"),
-        (("drape", DRESS, "--vertices", "7"), "ask for"),
-        (("drape", DRESS, "--vertices", "many"), "is no whole number"),
-        (("drape", DRESS, "--made-for", "tall"), "is no length in cm"),
+        (("drape", DRESS, "--view", "above"), "choose front, back, side or turned"),
+        (("drape", DRESS, "--size", "5000"), "give 16 to 2048 pixels"),
+        (("drape", DRESS, "--size", "big"), "not a whole number"),
+        (("drape", DRESS, "--vertices", "7"), "7 vertices; choose 50"),
+        (("drape", DRESS, "--vertices", "many"), "not a whole number"),
+        (("drape", DRESS, "--made-for", "tall"), "--made-for is 'tall', not a number"),
         (("drape", DRESS, "--made-for", "3"), "3"),
         (("drape", DRESS, "--image", "a.jpg"), "must end in .png"),
         (("drape", DRESS, "--sise", "64"), "did you mean --size"),
@@ -237,10 +234,10 @@ def test_a_wrong_drape_is_one_sentence_and_no_file(capsys, tmp_path, monkeypatch
         (("--print", "dots", "--repeat", "0"), "give 0.1 to 1000 cm"),
         (("--background", "none.png"), "cannot be read"),
         (("--skin", "#12"), "is no colour"),
-        (("--look", "x"), "is no whole number"),
-        (("--look", "-1"), "seed"),
-        (("--view", "top"), "there is no view 'top'"),
-        (("--size", "8"), "from 16 to 2048"),
+        (("--look", "x"), "not a whole number"),
+        (("--look", "-1"), "--look is -1; give 0 or more"),
+        (("--view", "top"), "--view is 'top'; choose front"),
+        (("--size", "8"), "give 16 to 2048 pixels"),
         (("--body", "mean-male"), "--body is for patterns"),
         (("--tucked",), "--tucked is for patterns"),
         (("--depth", "a.png"), "another output"),

@@ -42,10 +42,7 @@ def image(tmp_path):
 
 def run(*arguments, capsys):
     capsys.readouterr()
-    try:
-        code = main([str(a) for a in arguments])
-    except SystemExit as stop:  # argparse ends the process by itself
-        code = stop.code
+    code = main([str(a) for a in arguments])
     out, err = capsys.readouterr()
     return code, out, err
 
@@ -184,9 +181,9 @@ def test_errors_as_json(bad, tmp_path, capsys):
             ["encode", DRESS, "-o", "{}/a.npz", "--gird", "16"],
             "did you mean --grid; see garmentimage encode --help",
         ),
-        (["encode", DRESS, DRESS, "-o", "{}/a.npz"], "does not know"),
+        (["encode", DRESS, DRESS, "-o", "{}/a.npz"], "one argument too many"),
         (["encode", "{}/none.json", "-o", "{}/a.npz"], "none.json"),
-        (["encode", DRESS], "-o"),
+        (["encode", DRESS], "--out is missing"),
         (["encode", DRESS, "-o", "{}/a.npz", "--grid", "17"], "17"),
         (["encode", DRESS, "-o", "{}/a.npz", "--grid", "many"], "many"),
         (["decode", DRESS, "-o", "{}/a.json"], "dress.json"),

@@ -175,8 +175,11 @@ def test_choices_are_made_on_the_validation_split_and_open_no_test(pictured, tmp
         (["--data", "DATA"], "there are no networks runs/d2-*/model"),
         (["--data", "DATA", "--network", "x=nowhere"], "nowhere: holds no network that makes"),
         (["--data", "DATA", "--network", "RUN", "--seen", "99"], "has 3 seen garments for test; "),
-        (["--data", "DATA", "--network", "RUN", "--vae", "x"], "--vae is of `evaluate explore`"),
-        (["--data", "DATA", "--network", "RUN", "--workers", "0"], "--workers is 0; give 1"),
+        (["--data", "DATA", "--network", "RUN", "--vae", "x"], "there is no option '--vae'"),
+        (
+            ["--data", "DATA", "--network", "RUN", "--workers", "0"],
+            "--workers is 0; give 1",
+        ),
     ],
 )
 def test_a_wrong_call_is_told_in_a_sentence(words, message, pictured, runs, tmp_path, monkeypatch,

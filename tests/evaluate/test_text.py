@@ -71,11 +71,12 @@ def test_what_a_text_does_not_speak_of_is_measured_and_the_rest_is_not():
 def test_a_table_has_everyone_who_edits(trained, tmp_path, monkeypatch, capsys):
     folder = trained
     words = [
-        "evaluate", "edit", "--data", folder / "data", "--space", folder / "vae" / "model",
-        "--pictures", folder / "pictures" / "model", "--denoiser", folder / "denoiser" / "model",
+        "evaluate", "text", "--data", folder / "data", "--space", folder / "vae" / "model",
+        "--image-decoder", folder / "pictures" / "model",
+        "--denoiser", folder / "denoiser" / "model",
         "--vectors", folder / "vector-vae" / "model",
-        "--vector-pictures", folder / "vector-pictures" / "model",
-        "--steps", 2, "--tries", 2, "--edited", 1, "--workers", 1, "-o", tmp_path / "out",
+        "--vector-image-decoder", folder / "vector-pictures" / "model",
+        "--steps", 2, "--attempts", 2, "--garments", 1, "--workers", 1, "-o", tmp_path / "out",
     ]  # fmt: skip
     assert main(list(map(str, words))) == 0
     told = json.loads((tmp_path / "out" / "result.json").read_text())
@@ -98,14 +99,14 @@ def test_a_table_has_everyone_who_edits(trained, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ([], "name the dataset of the networks with --data"),
-        (["--data", "x", "--vectors", "y"], "give --vectors and --vector-pictures together"),
-        (["--data", "x", "--vae", "y"], "--vae is of `evaluate explore` only"),
-        (["--data", "x", "--seen", "3"], "--seen is of `evaluate image` only"),
+        ([], "--data is missing"),
+        (["--data", "x", "--vectors", "y"], "give --vectors and --vector-image-decoder together"),
+        (["--data", "x", "--vae", "y"], "there is no option '--vae'"),
+        (["--data", "x", "--seen", "3"], "there is no option '--seen'"),
     ],
 )
 def test_a_wrong_call_is_told_in_a_sentence(words, message, tmp_path, capsys):
-    assert main(["evaluate", "edit", *words, "-o", str(tmp_path / "out")]) == 2
+    assert main(["evaluate", "text", *words, "-o", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
 
 
@@ -114,22 +115,22 @@ def test_a_wrong_call_is_told_in_a_sentence(words, message, tmp_path, capsys):
     ("name", "folder", "message"),
     [
         ("--vectors", "pictures", "pictures/model/words.json: is missing or damaged"),
-        ("--pictures", "vector-pictures", "was trained with another latent space than"),
+        ("--image-decoder", "vector-pictures", "was trained with another latent space than"),
         ("--denoiser", "pictures", "pictures/model: holds no Denoiser that can be read"),
-        ("--vector-pictures", "pictures", "was trained with another latent space than"),
+        ("--vector-image-decoder", "pictures", "was trained with another latent space than"),
     ],
 )
 def test_networks_that_will_not_do_are_told_before_the_work(
     name, folder, message, trained, tmp_path, capsys
 ):
     chosen = {
-        "--space": "vae", "--pictures": "pictures", "--denoiser": "denoiser",
-        "--vectors": "vector-vae", "--vector-pictures": "vector-pictures", name: folder,
+        "--space": "vae", "--image-decoder": "pictures", "--denoiser": "denoiser",
+        "--vectors": "vector-vae", "--vector-image-decoder": "vector-pictures", name: folder,
     }  # fmt: skip
-    words = ["--data", trained / "data", "--steps", 1, "--edited", 1, "-o", tmp_path / "out"]
+    words = ["--data", trained / "data", "--steps", 1, "--garments", 1, "-o", tmp_path / "out"]
     for option, network in chosen.items():
         words += [option, trained / network / "model"]
-    assert main(["evaluate", "edit", *map(str, words)]) == 2
+    assert main(["evaluate", "text", *map(str, words)]) == 2
     assert message in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 

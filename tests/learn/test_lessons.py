@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from garmentimage.cli.app import main
-from garmentimage.cli.train import BASELINES, DEPARTURES
+from garmentimage.cli.train import ABLATIONS, BASELINES
 from garmentimage.learn.models.cascade import PAPER_CONFIG, Cascade, CascadeConfig
 from garmentimage.learn.models.slot_networks import SLOT_NETWORKS
 from garmentimage.learn.tasks import TaskOptions, task_for
@@ -39,7 +39,7 @@ def test_a_baseline_is_trained_and_read_again(name, pictured, tmp_path, capsys):
 def test_a_cascade_as_in_the_paper_leaves_out_what_is_ours(pictured, tmp_path):
     told = {
         part: task_for("cascade", TaskOptions(data=pictured, ablate=(part,))).config
-        for part in DEPARTURES
+        for part in ABLATIONS
     }
     ours = CascadeConfig()
     assert told["losses"].squared_losses and told["losses"].label_noise == ours.label_noise
@@ -49,7 +49,7 @@ def test_a_cascade_as_in_the_paper_leaves_out_what_is_ours(pictured, tmp_path):
     assert told["dropout"].dropout == 0 and told["dropout"].mirror
     assert told["recombine"].waist_mix == 0 and told["recombine"].recolour
     assert not told["recolour"].recolour and told["recolour"].waist_mix
-    words = ["cascade", "--data", pictured, "--epochs", 1, "--as-paper", "all"]
+    words = ["cascade", "--data", pictured, "--epochs", 1, "--ablate", "all"]
     assert train(*words, "-o", tmp_path) == 0
     trained = load_weights(Cascade, tmp_path / "model").config
     assert replace(trained, grid=PAPER_CONFIG.grid) == PAPER_CONFIG
@@ -76,11 +76,11 @@ def test_a_resnet_from_disk_looks_at_the_pictures(pictured, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["vae", "--without", "shirt"], "--without is for cascade, panel-transformer, "),
-        (["panel-pool", "--as-paper", "all"], "--as-paper is for cascade only"),
-        (["cascade", "--as-paper", "noises"], "--as-paper is 'noises'; choose losses, noise, "),
-        (["cascade", "--beta", "1"], "--beta is for vae, vector-vae only"),
-        (["cascade", "--resnet", "x"], "--resnet is for panel-transformer, panel-recurrent, "),
+        (["vae", "--without", "shirt"], "there is no option '--without'"),
+        (["panel-pool", "--ablate", "all"], "there is no option '--ablate'"),
+        (["cascade", "--ablate", "noises"], "--ablate is 'noises'; did you mean noise"),
+        (["cascade", "--beta", "1"], "there is no option '--beta'"),
+        (["cascade", "--resnet", "x"], "there is no option '--resnet'"),
         (["unet"], "there is no network 'unet'"),
     ],
 )

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 def names(trained) -> list[str]:
     return [
         "--space", str(trained / "vae" / "model"),
-        "--pictures", str(trained / "pictures" / "model"),
+        "--image-decoder", str(trained / "pictures" / "model"),
     ]  # fmt: skip
 
 
@@ -111,14 +111,14 @@ def test_what_is_known_is_done_and_what_is_not_is_said(trained, dress, tmp_path,
         (["pants", "--strength", "nan"], "the strength is nan"),
         (["pants", "--steps", "0"], "the number of steps is 0; give 1 to 5000"),
         (["pants", "--guidance", "dalle"], "there is no guidance 'dalle'; choose small or sd"),
-        (["pants", "--wrap", "a photo"], "needs one {} where the text goes"),
+        (["pants", "--prompt-template", "a photo"], "needs one {} where the text goes"),
         (["pants", "--scale", "-1"], "the guidance scale is -1"),
         (["pants", "--scale", "1e39"], "the guidance scale is 1e+39; give more than 0, up to 1000"),
         (["pants", "--seed", str(2**64)], "the seed is 18446744073709551616; give 0 to"),
         (["pants", "--seed", "-1"], "the seed is -1"),
         (["long \udcff"], "is not valid UTF-8"),
         (["pants", "--negative", "a" * 600], "the text has 600 characters"),
-        (["pants", "--wrap", "a" * 600 + "{}"], "the text has 605 characters"),
+        (["pants", "--prompt-template", "a" * 600 + "{}"], "the text has 605 characters"),
         (["pants", "--model", "nowhere"], "nowhere"),
         (["pants", "--guidance", "sd", "--model", "nowhere"], "nowhere: there is no such folder"),
         (["pants", "--guidance", "sd", "--model", "."], "holds no Stable Diffusion model"),
@@ -134,7 +134,7 @@ def test_a_wrong_call_is_told_in_a_sentence(words, message, trained, dress, tmp_
 
 
 def test_braces_round_the_place_of_the_text_are_only_braces(trained, dress, tmp_path):
-    words = ["pants", "-o", tmp_path / "out", "--steps", 1, "--wrap", "{0} {x} { {}"]
+    words = ["pants", "-o", tmp_path / "out", "--steps", 1, "--prompt-template", "{0} {x} { {}"]
     assert edit(trained, dress, *words, "--model", trained / "denoiser" / "model") == 0
 
 
@@ -179,7 +179,7 @@ def test_networks_that_were_not_trained_together_are_refused(trained, dress, tmp
     shutil.copytree(trained / "vae" / "model", other)
     (other / "model.safetensors").write_bytes(b"other")
     pictures = trained / "pictures" / "model"
-    told = [*words, "--space", other, "--pictures", pictures]
+    told = [*words, "--space", other, "--image-decoder", pictures]
     assert main(["edit", str(dress), *map(str, told)]) == 2
     assert f"was trained with another latent space than {other}" in capsys.readouterr().err
 

@@ -2,7 +2,7 @@
 
 import inspect
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from cyclopts import (
@@ -21,6 +21,7 @@ from cyclopts import (
 
 from garmentimage.cli.terminal import UsageError, one_line
 from garmentimage.errors import quoted
+from garmentimage.system import did_you_mean
 
 if TYPE_CHECKING:
     from cyclopts.help import HelpEntry, HelpPanel
@@ -145,18 +146,11 @@ def _name(error: CycloptsError) -> str:
     return keyword or argument.name if is_option else argument.name.lstrip("-").upper()
 
 
-def _near(word: str, known: Iterable[str], most: int = MAX_CHOICES) -> str:
+def _near(word: str, known: Sequence[str], most: int = MAX_CHOICES) -> str:
     """Which of the known names may be meant; else all of them, if they are few."""
-    import difflib
-
-    known = list(known)
-    near = difflib.get_close_matches(word.partition("=")[0], known, n=1)
-    if near:
-        return f"; did you mean {near[0]}"
-    if not known or len(known) > most:
-        return ""
-    *others, last = known
-    return f"; choose {', '.join(others)} or {last}" if others else f"; choose {last}"
+    otherwise = None if len(known) <= most else ""
+    hint = did_you_mean(word.partition("=")[0], known, otherwise=otherwise)
+    return hint and f"; {hint}"
 
 
 # --- Pages of help -------------------------------------------------------------------------------

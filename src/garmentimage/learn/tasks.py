@@ -110,7 +110,7 @@ def vector_vae_task(options: TaskOptions) -> TrainingTask:
     return TrainingTask(
         title="Vector VAE",
         summary="The baseline of the paper's Section 4.1: a transformer VAE of panels as vectors.",
-        usage=f"{FOR_TRAINING}, and for `garmentimage evaluate explore --vectors FOLDER`.",
+        usage=f"{FOR_TRAINING}, and for `garmentimage evaluate latent --vectors FOLDER`.",
         config=config,
         build=lambda: VectorVAE(config),
         train_set=to_vectors(train_set, vocabulary),
@@ -219,7 +219,7 @@ def image_decoder_task(options: TaskOptions) -> TrainingTask:
         title="Latent vectors to pictures",
         summary=f"{config.latent} numbers of a GarmentImage VAE to a picture of the worn garment, "
         f"{config.picture} x {config.picture} pixels, as in Section 4.2 of the paper.",
-        usage=f"{FOR_USE} `garmentimage edit PATTERN TEXT --pictures FOLDER -o out`.",
+        usage=f"{FOR_USE} `garmentimage edit PATTERN TEXT --image-decoder FOLDER -o out`.",
         config=config,
         build=lambda: _channels_last(ImageDecoder(config)),
         train_set=train_set,
