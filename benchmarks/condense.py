@@ -55,7 +55,7 @@ CAUSES = (
     ("do not all fit|too small for", "panels do not fit the grid"),
     ("grid edges left", "too few grid edges for a bend"),
     ("cross or touch each other near", "an outline that crosses itself"),
-    ("does not bring it back", "refused by its proof"),
+    ("does not decode to it", "refused by its proof"),
     ("took longer|timed out", "timed out"),
 )
 

@@ -89,14 +89,14 @@ def test_what_does_not_come_back_is_named():
     deformation = image.deformation * np.where(image.layer_names == "back", 1.0, 1.1)
     wider = replace(image, deformation=deformation.astype(np.float32))
     found = disproof(garment, graph, wider)
-    assert "does not bring it back" in found.reason and "panel '" in found.reason
+    assert "does not decode to it" in found.reason and "panel '" in found.reason
     less = without_stitch(garment, 0)
     assert disproof(less, stitch_graph(less), image).reason
 
 
 def test_an_image_that_is_disproven_is_not_given(monkeypatch):
     garment = draft_pattern("skirt")
-    refuse = Disproof("its image does not bring it back: panel 'front' comes back with IoU 0.1")
+    refuse = Disproof("its image does not decode to it: panel 'front' comes back with IoU 0.1")
     monkeypatch.setattr(encode_module, "disproof", lambda *_: refuse)
     with pytest.raises(EncodeError, match=r"panel 'front' comes back with IoU 0.1"):
         encode(garment)

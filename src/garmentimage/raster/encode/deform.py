@@ -40,6 +40,7 @@ def deform_quad_mesh(
     """
     count = len(rest)
     out = np.array(rest, float)
+    # The boundary is given; only what is inside is solved for.
     out[pinned] = target
     is_free = np.ones(count, bool)
     is_free[pinned] = False

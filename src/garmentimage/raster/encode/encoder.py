@@ -27,10 +27,10 @@ GRIDS = (8, 128)
 LARGER_GRIDS = (32, 64)
 """Grids that are tried, for an error that suggests one."""
 TUBE_SHARE = 0.5
-"""A panel whose sewn sides lie farther apart than this share of its size makes a tube: to bring
-them together flat, as those of a ring or a dart, would tear it."""
+"""A panel whose sewn sides lie farther apart than this share of its size makes a tube: laid
+flat with these sides joined, as those of a ring or a dart can be, it would tear."""
 MAX_BOW_ROUNDS = 5
-"""Rounds in which bends are bowed until their seams come back as long as they should."""
+"""Rounds in which bends are bowed until their seams decode with their own lengths."""
 
 
 def encode(

@@ -29,13 +29,13 @@ EDGE_ON = 0.35
 """Panels with |R22| below this are laid flat to the side instead of projected."""
 
 LAYER_DEPTH = 5.0
-"""Frontal panels closer together in depth than this [cm] do not tell front from back."""
+"""Frontal panels closer together in depth than this [cm] do not separate front from back."""
 
 DEPTH_DEAD_ZONE = 1.0
 """Panels nearer to the middle plane than this [cm] take their layer from their outer face."""
 
 PLAIN_ANGLE = 30.0
-"""Panels turned by less than this [degrees] from upright or lying are meant so."""
+"""Panels turned by less than this [degrees] from upright or lying are taken to be so."""
 
 UPRIGHT_PULL = 15.0
 """Length [cm] of an upright seam that would keep a part of a split panel upright."""
@@ -265,9 +265,9 @@ def _outward(split: SplitPattern, part: PanelPart) -> Float[np.ndarray, " 3"]:
 
 
 def _upright(rotation: Float[np.ndarray, "3 3"]) -> list[Matrix]:
-    """The picture-plane poses a panel may be meant in, upright or lying, nearest first.
+    """The picture-plane poses a panel may be intended for, upright or lying, nearest first.
 
-    Paper, Section 3.2, asks for panels aligned by hand; this makes an A-pose sleeve a T-pose
+    Paper, Section 3.2, has panels aligned by hand; this makes an A-pose sleeve a T-pose
     sleeve. There is no choice for a panel turned by less than `PLAIN_ANGLE` from such a pose.
     """
     near = _nearest_orthogonal(rotation[:2, :2])

@@ -67,7 +67,7 @@ def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Dispr
     reason, *others = lost
     more = f" (and {len(others)} more)" if others else ""
     return Disproof(
-        f"its image does not bring it back: {reason}{more}", lengthening(pattern, graph, back)
+        f"its image does not decode to it: {reason}{more}", lengthening(pattern, graph, back)
     )
 
 

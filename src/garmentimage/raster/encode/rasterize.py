@@ -146,7 +146,7 @@ def _check_clusters(
         panels = graph.placed.panels
         parts = [a for a, _ in pairs]
         torn = next((a for a in parts if parts.count(a) > 1), 0)
-        raise EncodeError(f"panel {panels[torn].source!r} does not stay in one piece on the grid")
+        raise EncodeError(f"panel {panels[torn].source!r} is not in one piece on the grid")
 
 
 def _deform(

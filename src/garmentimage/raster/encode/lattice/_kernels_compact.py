@@ -36,6 +36,7 @@ def number_variables(flat, lens, tail, head, nodes, along):
     """
     other = 1 - along
     out = np.empty(len(flat), np.int64)
+    # Numbers below `nodes` are those of nodes, the others those of vertices.
     parent = np.arange(nodes + len(flat))
     at = 0
     for i in range(len(lens)):
@@ -44,6 +45,7 @@ def number_variables(flat, lens, tail, head, nodes, along):
             is_across = flat[at + k, other] != flat[at + k - 1, other]
             if k == lens[i] - 1:
                 out[at + k] = head[i]
+                # A last step across puts the vertex before the node on the line of the node.
                 if is_across:
                     merge(parent, head[i], out[at + k - 1])
             else:
@@ -75,6 +77,7 @@ def neighbours(flat, lens, mask, variable, along, width, height):
     pairs = np.empty((2 * len(flat), 3), np.int64)
     n = 0
     owner = np.empty(cells, np.int64)
+    # `move` marks vertices from which a step of a path leads on along the line.
     move = np.empty(cells, np.bool_)
     length = width if along == 0 else height
     # Every layer is painted with its variables; then each line is read from low to high.
@@ -102,6 +105,8 @@ def neighbours(flat, lens, mask, variable, along, width, height):
                         pairs[n, 0], pairs[n, 1] = owner[last], owner[c]
                         pairs[n, 2] = 0 if joined else 1
                         n += 1
+                    # A variable twice on one line without a step between: two paths, or one twice,
+                    # touch there and cannot be kept apart.
                     elif not joined:
                         return pairs[:0], False
                 last = c
@@ -123,6 +128,7 @@ def _project(target, weight, cons, stiff, low, high):
     x = target.copy()
     inverse = 1.0 / weight
     m, n = len(cons), len(x)
+    # The multipliers of rows, of lower limits and of upper limits.
     force = np.zeros(m)
     floor_force = np.zeros(n)
     roof_force = np.zeros(n)
@@ -138,11 +144,13 @@ def _project(target, weight, cons, stiff, low, high):
                 give += 1.0 / stiff[c]
             # A force may fall, but not below 0: constraints only push.
             step = max(need / give, -force[c])
+            # A force moves both ends, each by as much as it is light.
             if step != 0.0:
                 force[c] += step
                 x[v] += step * inverse[v]
                 x[u] -= step * inverse[u]
                 worst = max(worst, abs(step) * max(inverse[u], inverse[v]))
+        # Limits are rows with one end; each variable has one of either kind.
         for v in range(n):
             step = max((low[v] - x[v]) * weight[v], -floor_force[v])
             if step != 0.0:
@@ -176,6 +184,7 @@ def solve_integers(rows, stiff, ahead, back, target, weight, floor, roof):
         floor: [variable] lower limit.
         roof: [variable] upper limit.
     """
+    # Tight limits first: without room there is nothing to solve.
     low, high = _tightened(rows, stiff, ahead, back, floor, roof)
     out = np.zeros(len(target), np.int64)
     if (low > high).any():

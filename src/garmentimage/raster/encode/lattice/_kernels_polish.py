@@ -90,7 +90,7 @@ class State(NamedTuple):
 
 
 @njit(cache=True)
-def settle(graph, lattice, table, lens):
+def minimise_energy(graph, lattice, table, lens):
     """Lower the energy of a drawing until no move does, at most `MAX_SWEEPS` times.
 
     Args:

@@ -93,6 +93,7 @@ def snap_nodes(target, layers, on_axis, axis, order):
     for i in order:
         cx, cy = int(np.floor(target[i, 0] + 0.5)), int(np.floor(target[i, 1] + 0.5))
         best, bx, by = 1e18, cx, cy
+        # Rings of vertices round the target, until one has room.
         for reach in range(7):
             for dx in range(-reach, reach + 1):
                 for dy in range(-reach, reach + 1):
@@ -239,6 +240,8 @@ def _shortest(start, goal, arc, net, traffic, price, search):
     field, axis, on_axis, mask = net.corridors[arc], net.axis, net.on_axis[arc], net.layers[arc]
     leave, arrive = net.departures[arc, 0], net.departures[arc, 1]
     height, width = field.shape
+    # No heap entry is ever changed: a vertex is pushed again where it gets cheaper, and
+    # entries that cost more than their vertex are dropped.
     cost[:] = FAR * FAR
     cost[start] = 0.0
     previous[start] = -1

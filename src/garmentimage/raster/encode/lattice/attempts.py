@@ -4,8 +4,9 @@ An attempt routes the arcs on a fine lattice, disjoint inside a layer, and compa
 the lattice of the image. Each step keeps the drawing valid.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
+from typing import NamedTuple
 
 from garmentimage.errors import EncodeError, quoted
 from garmentimage.raster.encode.lattice.canonical import canonical
@@ -28,12 +29,23 @@ from garmentimage.raster.image import EdgeType
 
 FINE_CELLS = 128
 """Fine lattice steps across the grid in the first attempt."""
-Attempts = tuple[tuple[float, float, bool], ...]
-ATTEMPTS: Attempts = ((1.0, 5.0, True), (1.5, 9.0, True), (2.0, 16.0, True))
-"""(factor on the fine lattice, corridor in fine steps, arcs leave their nodes in the order that
-their targets have), tried in turn."""
-LAST_ATTEMPTS: Attempts = ((1.5, 9.0, False),)
-"""What is left to try when all layouts have failed ..."""
+
+
+class Attempt(NamedTuple):
+    """How finely, and how freely, a layout is drawn."""
+
+    fineness: float
+    """Factor on `FINE_CELLS`."""
+    corridor: float
+    """How far paths may leave their targets [fine steps]."""
+    in_order: bool
+    """Arcs leave their nodes in the order that their targets have."""
+
+
+ATTEMPTS = (Attempt(1.0, 5.0, True), Attempt(1.5, 9.0, True), Attempt(2.0, 16.0, True))
+"""Tried in turn."""
+LAST_ATTEMPTS = (Attempt(1.5, 9.0, False),)
+"""Tried when all layouts have failed ..."""
 LAST_LAYOUTS = 3
 """... on so many of them."""
 PASSES = 3
@@ -42,27 +54,30 @@ SLIT_CM = 1.0
 """Free edges shorter than this [cm] are pointed out where a garment cannot be drawn."""
 
 
-def trials(layouts_: Iterable[Layout]) -> Iterator[tuple[Layout, Attempts]]:
+def trials(layouts: Iterable[Layout]) -> Iterator[tuple[Layout, tuple[Attempt, ...]]]:
     """Layouts with the attempts to draw each, most promising first."""
-    for number, layout in enumerate(layouts_):
+    for number, layout in enumerate(layouts):
         yield layout, ATTEMPTS if number == 0 else ATTEMPTS[:2]
-    for layout in islice(layouts_, LAST_LAYOUTS):
+    for layout in islice(layouts, LAST_LAYOUTS):
         yield layout, LAST_ATTEMPTS
 
 
 def drawings(
-    layout: Layout, frame: BodyFrame, attempts: Attempts
+    layout: Layout, frame: BodyFrame, attempts: Sequence[Attempt]
 ) -> Iterator[list[Path] | EncodeError]:
-    """Lattice paths of the arcs, best attempt first; failures as they come."""
+    """Lattice paths of the arcs, best attempt first, or the error of an attempt that failed.
+
+    A symmetric garment is drawn as its right half first.
+    """
     whole = drawing_of(layout, frame)
     mirror = find_mirror(layout) if frame.is_symmetric else None
     half = right_half(whole, mirror) if mirror is not None else None
     for part in (half, None) if half is not None else (None,):
-        for factor, radius, in_order in attempts:
-            fine = max(int(FINE_CELLS * factor) // frame.grid, 2)
+        for fineness, corridor, in_order in attempts:
+            fine = max(int(FINE_CELLS * fineness) // frame.grid, 2)
             try:
                 drawing = whole if part is None else part.drawing
-                paths = joined_links(drawing, lattice_paths(drawing, fine, radius, in_order))
+                paths = joined_links(drawing, lattice_paths(drawing, fine, corridor, in_order))
                 yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
                 crossing = _crossing(layout) if error.remedy == "grid" else ""
@@ -94,7 +109,7 @@ def _slit(graph: SeamGraph) -> str:
     lengths: dict[tuple[int, frozenset[int]], float] = {}
     for arc in graph.arcs:
         if arc.kind == EdgeType.NON_STITCH:
-            # The halves of an edge that closes on itself are one opening.
+            # An edge that closes on itself is two arcs, but one opening.
             opening = arc.sides[0][0], frozenset((arc.a, arc.b))
             lengths[opening] = lengths.get(opening, 0.0) + arc.length
     length, panel = min(

@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from garmentimage.raster.encode.lattice.drawing import Drawing, Path
 
 LEAN = 1e-3
-"""Share of x in the sorting height: enough to tell things of one height apart."""
+"""Share of x in the sorting height: enough to order things of one height."""
 ROUNDING = 6
 """Decimals of a lattice coordinate that count in comparisons: float noise does not."""
 

@@ -11,7 +11,7 @@ weights w_v, one axis is the quadratic program
 
 solved for its multipliers by coordinate ascent (Hildreth 1957; see `_kernels_compact`) and rounded:
 rounding every number at the same threshold keeps integer difference constraints true, and keeps a
-small change small. Springs ask for the grid edges that an arc desires.
+small change small. Springs push for the grid edges that an arc desires.
 """
 
 from typing import NamedTuple
@@ -84,6 +84,7 @@ def compact(
         hold, between them; or None when there is no room.
     """
     lens = np.array([len(p) for p in paths])
+    # Coordinates from 0 on, so that they can index arrays.
     ends = np.cumsum(lens)
     flat = np.concatenate(paths)
     base = flat.min(axis=0)
@@ -91,10 +92,13 @@ def compact(
     variable = number_variables(
         stack.vertices, lens, drawing.arcs.tail, drawing.arcs.head, len(drawing.nodes), along
     )
+    # Variables numbered without gaps; order and limits refer to these numbers.
     _, variable = np.unique(variable, return_inverse=True)
+    # What lies on a line keeps its order. That alone may have no room, or be unsound.
     order = _order(stack, drawing.arcs.layers, variable, along)
     if order is None:
         return None
+    # What is wanted: near the targets, with the grid edges that arcs require and desire.
     target, weight = _targets(drawing, np.concatenate(wanted)[:, along], stack, variable, along)
     limits = (low, high) if bounded else (-UNBOUNDED, UNBOUNDED)
     floor, roof = _limits(drawing, stack, variable, along, *limits)
@@ -130,6 +134,7 @@ def _solve_axis(
     up and down, carry limits through all of them.
     """
     rows, stiffness = constraints
+    # Rows by the place of their lower variable, rising, and of their upper one, falling.
     ahead = np.argsort(place[rows[:, 0].astype(np.int64)], kind="stable")
     back = np.argsort(-place[rows[:, 1].astype(np.int64)], kind="stable")
     new, is_sound = solve_integers(rows, stiffness, ahead, back, target, weight, floor, roof)
@@ -149,6 +154,7 @@ def _limits(
     floor, roof = np.full(count, float(low)), np.full(count, float(high))
     if drawing.axis is not None and along == 0:
         nodes, arcs = drawing.nodes, drawing.arcs
+        # What is not on the axis lies right of it; what is on it cannot move.
         floor[:] = np.maximum(floor, drawing.axis + 1.0)
         on_axis = np.concatenate(
             [
@@ -169,6 +175,8 @@ def _stretched(
 ) -> tuple[Path, Float[np.ndarray, "after 2"], Int[np.ndarray, " after"]]:
     """All paths with new coordinates, collapsed steps dropped, long steps filled; targets; arcs."""
     flat, lens, starts, _ = stack
+    # A step along the axis becomes as many vertices as it is long now, perhaps none; a step
+    # across it is always one.
     before = np.arange(len(flat)) - 1
     before[starts] = starts
     step = new - new[before]
@@ -180,6 +188,7 @@ def _stretched(
     back = (count[index] - number) * np.sign(step[index])
     out = flat[index].copy()
     out[:, along] = new[index] - back
+    # Targets of new vertices lie between those of their step.
     share = (number / count[index])[:, None]
     targets = wanted[before[index]] * (1 - share) + wanted[index] * share
     return out, targets, np.repeat(np.arange(len(lens)), lens)[index]
@@ -201,6 +210,7 @@ def _targets(
     is_inner[stack.starts] = is_inner[stack.ends - 1] = False
     cells = np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in arcs.curves])
     cells = np.maximum(cells, MIN_CELLS)
+    # Fine paths have more vertices than coarse ones: a path weighs as its curve is long.
     load = np.where(is_inner, np.repeat(arcs.weight * cells / lens, lens), 0.0)
     count = variable.max() + 1
     weight = np.bincount(variable, load, count)
@@ -248,6 +258,7 @@ def _chords(
     is_up = first[:, along] <= last[:, along]
     u, v = np.where(is_up, tail, head), np.where(is_up, head, tail)
     is_real = (u != v) & (mine > 0)
+    # A diagonal arc has its grid edges along both axes, so each axis keeps its part of them.
     part = mine / np.maximum(mine + others, 1)
     hard = is_real & (mine >= others)
     soft = is_real & (arcs.desired_edges > 1.0) & (part > MIN_SPRING_SHARE)

@@ -307,7 +307,7 @@ def joined_links(drawing: Drawing, paths: list[Path]) -> list[Path]:
 
 
 def _min_edges(tail: np.ndarray, head: np.ndarray, layers: np.ndarray) -> np.ndarray:
-    """Two arcs of a layer between the same nodes need two grid edges each to stay apart."""
+    """Two arcs of a layer between the same nodes need two grid edges each to be apart."""
     ends = np.sort(np.stack([tail, head], axis=1), axis=1)
     same = (ends[:, None] == ends[None]).all(axis=2) & ((layers[:, None] & layers[None]) > 0)
     np.fill_diagonal(same, False)

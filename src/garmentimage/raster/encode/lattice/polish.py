@@ -10,7 +10,7 @@ drawings means the same faces.
 
 import numpy as np
 
-from garmentimage.raster.encode.lattice._kernels_polish import Graph, Lattice, settle
+from garmentimage.raster.encode.lattice._kernels_polish import Graph, Lattice, minimise_energy
 from garmentimage.raster.encode.lattice.drawing import Drawing, Path
 
 ROOM = 8
@@ -33,9 +33,11 @@ def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Pat
     lens = np.array([len(p) for p in paths])
     if lens.max() > ROOM * width:
         return paths
+    # Paths as numbers of vertices, in rows of one table that leaves room to grow.
     table = np.zeros((len(paths), ROOM * width), np.int64)
     for i, path in enumerate(paths):
         table[i, : len(path)] = path[:, 1] * width + path[:, 0]
+    # Compiled code takes arrays: curves one after the other, and where each starts.
     graph = Graph(
         tail=arcs.tail,
         head=arcs.head,
@@ -52,7 +54,7 @@ def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Pat
         starts=np.concatenate([[0], np.cumsum([len(c) for c in arcs.curves])]),
     )
     axis = -1 if drawing.axis is None else drawing.axis
-    settle(graph, Lattice(width, low, high, axis), table, lens)
+    minimise_energy(graph, Lattice(width, low, high, axis), table, lens)
     return [
         np.stack([table[i, :n] % width, table[i, :n] // width], axis=1) for i, n in enumerate(lens)
     ]

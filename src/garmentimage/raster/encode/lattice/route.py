@@ -74,6 +74,7 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
     )
     node_xy = snap_nodes(target, nodes.layers, nodes.on_axis, axis, first)
     corridors = np.empty((len(arcs), height, width), np.float32)
+    # Paths end where their nodes were put, not where the curves end.
     for i, curve in enumerate(curves):
         line = curve.copy()
         line[0], line[-1] = node_xy[arcs.tail[i]], node_xy[arcs.head[i]]
@@ -90,6 +91,7 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
         axis=int(axis),
     )
     paths = _disjoint_paths(net, nodes.layers, _routing_order(drawing, fine))
+    # Every vertex wants to lie at the nearest point of its curve, its ends at their nodes.
     wanted = []
     for i, path in enumerate(paths):
         near = nearest_points(path.astype(np.float64), curves[i])
@@ -125,6 +127,7 @@ def _routing_order(drawing: Drawing, fine: int) -> Int[np.ndarray, " arc"]:
     curves = drawing.arcs.curves
     lengths = np.array([np.hypot(*np.diff(c * fine, axis=0).T).sum() for c in curves])
     middles = np.array([c[len(c) // 2] for c in curves]).round(1)
+    # Powers of two: small changes of a garment hardly ever change the order.
     sizes = np.round(np.log2(np.maximum(lengths, 0.5)))
     return np.lexsort((middles[:, 0], middles[:, 1], sizes))
 
@@ -139,11 +142,13 @@ def _disjoint_paths(
     """
     count, height, width = net.corridors.shape
     size = width * height
+    # A node blocks its vertex for all paths of its layers but its own.
     is_node = np.zeros((2, size), bool)
     for layer in (0, 1):
         x, y = net.node_xy[(node_layers >> layer & 1).astype(bool)].T
         is_node[layer, y * width + x] = True
     traffic = Traffic(is_node, np.zeros((2, size), np.int32), np.zeros((2, size)))
+    # A longer path winds: it is refused.
     longest = 4 * (width + height)
     routes = Routes(np.zeros((count, longest), np.int32), np.zeros(count, np.int64))
     search = Search(
@@ -165,6 +170,7 @@ def _disjoint_paths(
                 np.stack([vertices[i, :n] % width, vertices[i, :n] // width], axis=1)
                 for i, n in enumerate(routes.lens)
             ]
+        # Both costs grow: history remembers where paths met, price presses all of them.
         traffic.history[traffic.use > 1] += CLASH_COST
         price *= DEARER
     raise EncodeError("its seams cross or crowd each other on the grid")

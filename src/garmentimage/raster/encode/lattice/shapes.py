@@ -1,6 +1,6 @@
 """Lost shapes: whether a drawing has grid edges enough for the bends of its panels.
 
-A boundary comes back as the chords between its grid edges, or smooth where it has several, so a
+A boundary is decoded as the chords between its grid edges, or smooth where it has several, so a
 bent edge with too few grid edges loses length and area.
 """
 

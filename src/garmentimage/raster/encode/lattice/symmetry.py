@@ -25,13 +25,14 @@ SYMMETRY_TOLERANCE = 3.0
 AXIS_REACH = 4.0
 """The garment's own axis lies within this of the body's axis [cm]."""
 SAMPLES = 9
+"""Points at which two arcs are compared."""
 _CUT_COLUMNS = ("tail", "head", "min_edges", "required_edges", "desired_edges")
 """What changes where an arc is cut at the axis."""
 
 
 @dataclass(frozen=True)
 class Mirror:
-    """For each arc its partner, and whether the partner runs the other way."""
+    """For each arc its partner, and whether the partner runs against it."""
 
     partner: tuple[int, ...]
     reverse: tuple[bool, ...]

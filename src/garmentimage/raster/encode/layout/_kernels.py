@@ -28,6 +28,7 @@ def _sample_lengths(following, rest):
     step, length = np.empty(size), np.zeros(size)
     for i in range(size):
         j = following[i]
+        # Never 0, so that every sample has a weight.
         step[i] = np.hypot(rest[j, 0] - rest[i, 0], rest[j, 1] - rest[i, 1]) + 1e-6
         length[i] += step[i] / 2
         length[j] += step[i] / 2
@@ -39,6 +40,7 @@ def _pair_weight(i, j, following, rest, step, length):
     """w_ij of the file's head, before the stiffness of the panel."""
     dx, dy = rest[i, 0] - rest[j, 0], rest[i, 1] - rest[j, 1]
     weight = SPREAD * length[i] * length[j] / (dx * dx + dy * dy + NEAR * NEAR)
+    # Neighbours are also joined by the boundary between them, which stretches like a spring.
     if following[i] == j:
         weight += 1 / max(step[i], MIN_STEP)
     if following[j] == i:
@@ -72,6 +74,7 @@ def assemble_energy(
             matrix[a, a] += pull
             anchor_load[a, 0] += pull * rest[i, 0]
             anchor_load[a, 1] += pull * rest[i, 1]
+            # Every pair once.
             for j in range(start[p], i):
                 c = ids[j]
                 if a == c:  # Both legs of a dart meet in its tip.
@@ -81,6 +84,7 @@ def assemble_energy(
                 matrix[c, c] += w
                 matrix[a, c] -= w
                 matrix[c, a] -= w
+                # A membrane has no shape to keep: its pairs are drawn together.
                 if not soft[p]:
                     for axis in range(2):
                         pull_apart = w * (rest[i, axis] - rest[j, axis])

@@ -133,6 +133,7 @@ def gap_constraints(
                 ends = graph.arcs[arc].a, graph.arcs[arc].b
                 for step, node in ((1, ends[back]), (-1, ends[not back])):
                     meeting.setdefault((panel.layer, node), []).append((i, k, step))
+    # Runs of different panels that leave one node on one layer may face each other.
     parts: list[LinearConstraints] = []
     for keys in meeting.values():
         if len({panel for panel, _, _ in keys}) < 2:
@@ -218,6 +219,8 @@ def _wedge(
     sideways = ramp(lean, -AXIS_BLEND, AXIS_BLEND)
     for axis, share in ((0, sideways), (1, 1 - sideways)):
         sign = np.where(apart[:, axis] >= 0, 1.0, -1.0)
+        # Boundaries far on the wrong side of each other are crossed, not facing: near the node
+        # that counts, farther off it may be a curl.
         behind = sign * offset[:, axis]
         sane = np.maximum(ramp(behind, *BEHIND), crossing * ramp(behind, *FAR_BEHIND))
         sane = np.where(share > 0, np.maximum(sane, ramp(s, *NEAR_NODE)), 1.0)
@@ -265,6 +268,7 @@ def _facing(
 def _strength(a: _BoundaryRun, pairs: _Pairs, reach: float, chord: bool) -> Float[np.ndarray, " n"]:
     """Weight of each pair where it faces fully: by the boundary that its sample stands for."""
     s, q = pairs.along, pairs.mine
+    # A gap ends with the shorter boundary, but not at once.
     taper = np.minimum(1.0, (reach - s) / (END_TAPER * reach))
     if chord:
         taper = taper * ramp(s, *CHORD_START)
@@ -351,8 +355,8 @@ def _apart(
 ) -> LinearConstraints:
     """Constraints from the samples of panel `i` to the boundary of panel `j`, which lies `towards`.
 
-    Each constraint weighs as much as the two boundaries face each other, so none comes or goes at
-    once.
+    Each constraint weighs as much as the two boundaries face each other, so none appears or
+    vanishes at once.
     """
     axis = int(abs(towards[1]) > abs(towards[0]))
     sign = 1.0 if towards[axis] >= 0 else -1.0
@@ -360,6 +364,8 @@ def _apart(
     start, end, step, _ = _outer_steps(graph, samples, points, j)
     # The outward side of a boundary lies to the right of its direction.
     outward = graph.placed.panels[i].sign * (1 if axis == 0 else -1) * sign
+    # Two boundaries keep their distance as far as they lie across the axis and towards each
+    # other.
     facing = np.maximum(outward * (ahead + behind)[:, 1 - axis] / 2, 0.0)
     inward = -graph.placed.panels[j].sign * (1 if axis == 0 else -1) * sign
     faced = np.maximum(inward * step[:, 1 - axis] / (np.hypot(*step.T) + 1e-9), 0.0)
@@ -369,6 +375,7 @@ def _apart(
     present = 1.0 - ramp(np.abs(unbounded - at) * np.abs(rise), 0.0, REACH)
     place = points[start, axis] + at * step[:, axis]
     distance = sign * (place - points[mine, axis][:, None])
+    # Deeper overlaps are two panels on each other, which pushing would tear.
     shallow = ramp(distance, *DEEP)
     weight = CONSTRAINT_WEIGHT * present * facing[:, None] * faced * shallow
     row, k = np.nonzero((distance < CLEARANCE + WATCHED) & (weight > MIN_WEIGHT))

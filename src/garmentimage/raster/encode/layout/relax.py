@@ -42,7 +42,7 @@ MEMBRANE = 0.25
 MEMBRANE_ANCHOR = 1e-6
 """The same as `ANCHOR` for a membrane."""
 MAX_ACTIVE_SETS = 40
-"""Rounds of active sets before the forces are found in another way."""
+"""Rounds of active sets before non-negative least squares solves the problem."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def energy(
 ) -> Energy:
     """The energy of the file's head, and the directions of reversed seams (see `reversed_seams`).
 
-    With `firm`, short arcs keep their direction: among long ones they could be turned over.
+    With `firm`, short arcs keep their direction: among long ones they could be reversed.
     """
     from scipy.linalg import cho_factor
 
@@ -75,6 +75,7 @@ def energy(
     assert len(rest) == len(samples.ids) == len(samples.following) == samples.start[-1]
     assert samples.ids.max() < count and np.isfinite(rest).all()
     matrix, load, anchor_load = np.zeros((count, count)), np.zeros((count, 2)), np.zeros((count, 2))
+    # A membrane is weak, so that others keep their shape, and hardly tied to its place.
     soft = np.array([p in membranes for p in range(len(stiffness))])
     weight = np.where(soft, MEMBRANE, stiffness)
     anchor = np.where(soft, MEMBRANE_ANCHOR, ANCHOR * stiffness)
@@ -119,12 +120,15 @@ class Constrained:
         With x = A⁻¹ b + A⁻¹ Cᵀ f and W the weights, the forces solve f >= 0,
         (C A⁻¹ Cᵀ + W⁻¹) f >= distance - C A⁻¹ b, with equality where f > 0. Axes are independent.
         """
+        # First as if there were no constraints ...
         points = _solve(self.energy, load + self.energy.anchor_load)
         for axis in (0, 1):
+            # ... then what their forces add, in the space of those of one axis.
             (k,) = np.nonzero(self.constraints.axis == axis)
             if not len(k):
                 continue
             missing = self.constraints.distance[k] - self.matrix[k] @ points[:, axis]
+            # Soft: a force of 1 yields by 1 / weight.
             slack = np.diag(1 / self.constraints.weight[k])
             coupling = self.matrix[k] @ self.response[:, k] + slack
             points[:, axis] += self.response[:, k] @ one_sided_forces(coupling, missing)
@@ -148,14 +152,17 @@ def one_sided_forces(
     """
     active = missing > 0
     for _ in range(MAX_ACTIVE_SETS):
+        # The active constraints as equations, the others without force.
         force = np.zeros(len(missing))
         (k,) = np.nonzero(active)
         force[k] = np.linalg.solve(coupling[np.ix_(k, k)], missing[k])
+        # Those that pull are let go, those that are broken are added.
         wanted = np.where(active, force > 0, coupling @ force < missing - 1e-12)
         if (wanted == active).all():
             return force
         active = wanted
     from scipy.optimize import nnls
 
+    # With coupling = R Rᵀ: minimise |Rᵀ f - R⁻¹ missing|² over f >= 0.
     root = np.linalg.cholesky((coupling + coupling.T) / 2)
     return np.asarray(nnls(root.T, np.linalg.solve(root, missing))[0])

@@ -20,11 +20,13 @@ SHORT_SPAN = 2.5
 LONG_SPAN = 0.5
 """Share of its length that a seam between two panels of one layer is given."""
 SHORT_STRENGTH, LONG_STRENGTH = 30.0, 8.0
+"""Strength of the targets of both."""
 FIRM_FULLY, FIRM_UP_TO = 4.0, 8.0
 """Lengths [cm] up to which, and from which on no more, an arc can be held in its direction."""
 FIRM_STRENGTH = 60.0
+"""Strength of the target of such an arc."""
 NEIGHBOUR_REACH = 4 / 15
-"""How far along its neighbours, as a share of them, the silhouette is looked at."""
+"""How far along its neighbours, as a share of them, the direction of the silhouette is taken."""
 
 
 class ArcTarget(NamedTuple):
@@ -42,7 +44,7 @@ def reversed_seam_targets(
     """Targets for the seams whose two sides point against each other.
 
     On one layer (the top of a hood) the seam is laid so that each panel is on its own side.
-    Between the layers (where a front yoke reaches over the shoulder seam) it is a short piece of
+    Between the layers (where a front yoke reaches over the shoulder seam) it is a short part of
     the silhouette, and is laid along it.
     """
     targets: list[ArcTarget] = []

@@ -99,6 +99,7 @@ def trunk_share(placed: Placed) -> Float[np.ndarray, " p"]:
     or a hood is added.
     """
     x, y = np.array([centroid(p.outline) for p in placed.panels]).T
+    # Centres of sleeves lie beside the trunk and above the hips, those of hoods above the neck.
     sleeve = ramp(np.abs(x), 18.0, 26.0) * ramp(y, 70.0, 90.0)
     hood = ramp(y, 146.0, 156.0)
     return np.asarray(1.0 - np.maximum(sleeve, hood))

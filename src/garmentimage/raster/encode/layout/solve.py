@@ -110,6 +110,7 @@ def layouts(graph: SeamGraph) -> Iterator[Layout]:
             "outlines that turn at every vertex, or leave loose panels out",
             remedy="pattern",
         )
+    # Layouts with problems are kept back: a later step may be clean.
     solver = _LayoutSolver(graph)
     faulty = []
     at_fault: set[int] = set()
@@ -126,13 +127,16 @@ def layouts(graph: SeamGraph) -> Iterator[Layout]:
 def _cascade(graph: SeamGraph, at_fault: set[int]) -> Iterator[_Step]:
     """Steps in order; `at_fault` is read once the first step is drawn."""
     yield _Step(FIRST)
+    # Short arcs that were reversed, then gaps that were judged wrongly or are too narrow, ...
     yield _Step("firm", firm=True)
     yield _Step("chord", chord=True)
     for kind, gap in WIDE_GAPS:
         yield _Step(f"{kind} gap {gap:g}", chord=kind == "chord", gap=gap)
+    # ... then panels that must rotate to lie beside each other, ...
     yield _Step("as rigid as possible", as_rigid=True)
     yield _Step("as rigid as possible, chord", as_rigid=True, chord=True)
     panels = graph.placed.panels
+    # ... and at last panels that cannot keep their shape.
     split = {i for i, p in enumerate(panels) if p.is_part}
     front = {i for i in split if panels[i].layer == FRONT}
     for stage, soft in (("front", front), ("split", split), ("faulty", at_fault)):
@@ -177,6 +181,7 @@ class _LayoutSolver:
     def draw(self, step: _Step) -> tuple[Layout, set[int]]:
         """A layout, and the panels at fault in it."""
         rest, base = self._prepared(step) if step.membranes or step.firm else self._ground
+        # Facing boundaries are known beforehand; what else comes near only shows in a drawing.
         facing = gap_constraints(self.graph, self.samples, step.gap, step.chord)
         soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
         rotated = partial(
@@ -196,6 +201,7 @@ class _LayoutSolver:
                 break
             system = Constrained.of(base, LinearConstraints.joined([facing, near]))
             points = system.minimum(base.load)
+        # Alternating minimisation: rotations for these points, points for these rotations.
         for _ in range(MAX_RIGID_ROUNDS if step.as_rigid else 0):
             before, points = points, system.minimum(rotated(points))
             if np.abs(points - before).max() < CONVERGED:
@@ -224,6 +230,7 @@ def _refined(
         for k in (k for loop in panel.loops for k in loop):
             arc, back = graph.owner[i, k]
             own = next(edges) + shift
+            # The curve as it is, moved so that it passes through the samples.
             own = own[::-1].copy() if back else own
             moved = points[samples.arcs[arc]] - own[::REFINED]
             for axis in (0, 1):

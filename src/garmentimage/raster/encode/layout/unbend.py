@@ -17,9 +17,9 @@ from garmentimage.raster.encode.layout.samples import ramp
 from garmentimage.raster.encode.placement import PlacedPanel
 
 MAX_ANGLE = np.radians(120.0)
-"""Sectors up to this angle rest as they are ..."""
+"""Sectors up to this angle rest as they are."""
 KEPT_BEYOND = 0.15
-"""... and of what is beyond it, this share is kept."""
+"""Share of the angle beyond it that a wider sector keeps."""
 SMOOTH = np.radians(35.0)
 """Edges that meet at a smaller turn than this are one arc."""
 RING = (0.3, 0.5)
@@ -70,7 +70,7 @@ class _Polar(NamedTuple):
 def unbent_curves(panel: PlacedPanel) -> tuple[Float[np.ndarray, "_ 2"], ...]:
     """The panel's curves at rest in the drawing: as placed, or bent when it is a wide sector.
 
-    In polar coordinates (r, a) round the centre of the inner arc, whose radius is R, a point goes
+    In polar coordinates (r, a) round the centre of the inner arc, whose radius is R, a point moves
     to (r + R (1 / share - 1), share a) round a centre that is R (1 / share - 1) farther off: the
     inner arc keeps its length and its place, every radius its length.
     """
@@ -81,13 +81,16 @@ def unbent_curves(panel: PlacedPanel) -> tuple[Float[np.ndarray, "_ 2"], ...]:
     order = [loop[(sector.first + k) % len(loop)] for k in range(len(loop))]
     outline = np.concatenate([panel.curves[k][:-1] for k in order])
     inner = sum(len(panel.curves[k]) - 1 for k in order[: sector.count]) + 1
+    # The axis runs from the centre through the middle of the inner arc.
     axis = (outline - sector.centre)[:inner].sum(axis=0)
     axis /= np.hypot(*axis) + 1e-9
     polar = _Polar(sector.centre, axis)
+    # Angles that grow all along the outline, even beyond half a turn.
     angles = np.unwrap(polar.angles(outline), axis=0)
     angles -= angles[:inner].mean()
     if np.abs(angles).max() > np.pi:
         return panel.curves
+    # How much is bent fades with how little of a ring the panel is.
     ring = _ring_share(panel, order[sector.count], order[-1], polar.radii(outline), sector.radius)
     share = 1.0 - ring * (1 - KEPT_BEYOND) * (1 - MAX_ANGLE / sector.angle)
     if share >= 1.0:
