@@ -227,13 +227,13 @@ def test_a_wrong_drape_is_one_sentence_and_no_file(capsys, tmp_path, monkeypatch
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("--colour", "nocolour"), "is no colour"),
+        (("--colour", "nocolour"), "is not a colour"),
         (("--colour", "tpo=red"), "did you mean top"),
         (("--print", "tartan"), "choose stripes, checks, dots or a picture file"),
         (("--print", "none.png"), "cannot be read"),
         (("--print", "dots", "--repeat", "0"), "give 0.1 to 1000 cm"),
         (("--background", "none.png"), "cannot be read"),
-        (("--skin", "#12"), "is no colour"),
+        (("--skin", "#12"), "is not a colour"),
         (("--look", "x"), "not a whole number"),
         (("--look", "-1"), "--look is -1; give 0 or more"),
         (("--view", "top"), "--view is 'top'; choose front"),

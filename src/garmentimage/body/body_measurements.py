@@ -109,7 +109,7 @@ class BodyMeasurements:
         """Refuse a body that cannot be.
 
         Raises:
-            DraftError: a measurement is no length within its range, or two contradict each other.
+            DraftError: a measurement is out of its range, or two contradict each other.
         """
         for name, (low, high) in RANGES.items():
             _check_range(name, getattr(self, name), low, high)

@@ -52,7 +52,7 @@ def mark(body: Body) -> tuple[dict[str, Vector], float]:
     """Landmarks of the wearer's middle and left side [cm], and the depth halfway through the waist.
 
     Args:
-        body: y up, feet at y = 0, +z the front; its own landmarks are not looked at.
+        body: y up, feet at y = 0, +z the front; its own landmarks are not used.
 
     Raises:
         DraftError: the skin is not where a body has it.

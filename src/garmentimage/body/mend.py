@@ -1,11 +1,11 @@
-"""Surfaces as people have them, made into closed ones that look outwards.
+"""Repair of triangle meshes: closed surfaces with normals that point outwards.
 
-Each side of a triangle has a direction. On a closed surface every edge is gone along as often one
-way as the other; where it is not lies the **rim** of a hole. A surface whose rims are closed by
-caps has an inside everywhere, whatever else is wrong with it: lips that lie on each other, vertices
-that rounding has put in one place, parts that pass through each other. Which places are inside is
-told by the winding number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside
-segmentation using generalized winding numbers"), which `drape.field` counts.
+Each side of a triangle has a direction. On a closed surface every edge is used as often in one
+direction as in the other; where it is not lies the **rim** of a hole. A surface whose rims are
+closed by caps has an inside everywhere, whatever other defects it has: lips that lie on each other,
+vertices merged by rounding, parts that pass through each other. Which places are inside is decided
+by the winding number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside segmentation
+using generalized winding numbers"), which `drape.solver` counts.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ surface's size that closes the rims, or that leaves least open."""
 SMALL_PART = 0.1
 """Parts smaller than this share of the whole are eyes, teeth and lashes."""
 TWINNED = 0.5
-"""Where more than this share of the triangles have a twin that looks the other way, the surface
+"""Where more than this share of the triangles have a twin of opposite orientation, the surface
 was written with two sides."""
 
 Points = Float[np.ndarray, "vertex 3"]
@@ -95,7 +95,7 @@ def capped(surface: Surface) -> tuple[Points, Faces]:
     for k, rim in enumerate(surface.rims):
         middle = len(surface.points) + k
         points.append(surface.points[rim].mean(axis=0)[None])
-        # The cap goes along the rim the other way.
+        # The cap runs along the rim in the opposite direction.
         faces.append(np.stack([np.roll(rim, -1), rim, np.full(len(rim), middle)], axis=1))
     return np.concatenate(points), np.concatenate(faces)
 
@@ -113,7 +113,7 @@ def _volume(points: Points, faces: Faces) -> float:
 def _without_twins(faces: Faces) -> Faces:
     """The triangles without those of no extent and those that cancel each other.
 
-    Two with the same corners that look opposite ways are a fold that rounding has closed. If most
+    Two with the same corners and opposite orientation are a fold that rounding has closed. If most
     have such a twin, the surface was written with two sides, and the first of each two is kept.
     """
     a, b, c = faces.T
@@ -154,7 +154,7 @@ def _edges(faces: Faces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _rim_edges(faces: Faces) -> Int[np.ndarray, "edge 2"]:
-    """Directed edges that are gone along more often one way than the other, as often as that."""
+    """Directed edges that are used more often in one direction, once for each surplus use."""
     ends, edge, way = _edges(faces)
     net = np.bincount(edge, way, minlength=len(ends)).astype(int)
     edges = np.repeat(ends, np.abs(net), axis=0)
@@ -226,7 +226,7 @@ def _loops(ends: Int[np.ndarray, "edge 2"]) -> Loops:
                 place[following] = len(path)
                 path.append(following)
                 continue
-            # Wherever the way meets itself, a loop is closed.
+            # Wherever the path meets itself, a loop is closed.
             loop = path[place[following] :]
             loops.append(np.array(loop))
             for vertex in loop[1:]:

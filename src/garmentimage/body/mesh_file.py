@@ -35,7 +35,7 @@ head is missing."""
 ANKLES, FOOT_LENGTH = 0.05, 0.1
 """Below the first share of the stature, feet are at least as long as the second."""
 NECK, HEAD_WIDTH = 0.9, 0.25
-"""Above the first share of the stature, a body is no wider than the second."""
+"""Above the first share of the stature, a body is at most as wide as the second."""
 LEGS_END = 0.3
 """Below this share of the stature nothing of a standing body is in its middle."""
 STRAIGHT_ARM = np.deg2rad(22.5)
@@ -50,7 +50,7 @@ def load_body_file(path: str | os.PathLike[str]) -> Body:
     lashes) left out with a warning. Landmarks come from the proportions of adults; see `marks`.
 
     Raises:
-        DraftError: the file cannot be read, or is no such body.
+        DraftError: the file cannot be read, or is not such a body.
     """
     with errors_about(path):
         used = _joined(*_read(path))
@@ -86,7 +86,9 @@ def _read(path: str | os.PathLike[str]) -> tuple[Points, Faces]:
     if not low <= len(faces) <= high:
         raise DraftError(f"has {len(faces)} triangles; a body has {low} to {high}")
     if not np.isfinite(points).all() or faces.min() < 0 or faces.max() >= len(points):
-        raise DraftError("has points that are no numbers or do not exist; export it again")
+        raise DraftError(
+            "has coordinates that are not finite, or triangles without vertices; export it again"
+        )
     return points, faces
 
 
@@ -102,7 +104,7 @@ def _bytes(path: str | os.PathLike[str]) -> bytes:
 def _joined(points: Points, faces: Faces) -> list[Surface]:
     """The parts of a body that are used; what is small beside it, as eyes are, is left out.
 
-    Of parts that are open, only the largest is kept, whose holes can be told then.
+    Of parts that are open, only the largest is kept, whose holes can be recognised then.
     """
     surface = welded(points, faces)
     if not len(surface.faces):
@@ -177,7 +179,7 @@ def _check_ends(points: Points) -> None:
     """Refuse a body without feet or head: all its heights would be wrong."""
     stature = points[:, 1].max()
     if np.ptp(points[points[:, 1] < ANKLES * stature, 2]) < FOOT_LENGTH * stature:
-        raise DraftError("has no feet, so that its heights cannot be told; export the whole body")
+        raise DraftError("has no feet, so that its heights are unknown; export the whole body")
     if np.ptp(points[points[:, 1] > NECK * stature, 0]) > HEAD_WIDTH * stature:
         raise DraftError(
             "has no head, or lifts its arms above it; export the whole body in the T or the A pose"

@@ -18,7 +18,7 @@ WORN_LEG_ANGLE = np.deg2rad(2.5)
 TURNED_BELOW_CROTCH = 6.0
 """From the hip joint to this far under the crotch, skin turns more and more with the leg [cm]."""
 HANDS = 35.0
-"""Skin farther than this from the middle is no leg [cm]."""
+"""Skin farther than this from the middle does not belong to a leg [cm]."""
 BETWEEN = 3.0
 """Skin nearer to the middle than this turns less, in the middle not at all [cm]."""
 BODIES_KEPT = 16
@@ -65,7 +65,7 @@ def _turned(
         points: anywhere on the body [cm].
         hip: the left hip joint [cm].
         turn: towards the middle [rad].
-        depth: under the hip joints [cm]; from there on points turn as far as told.
+        depth: under the hip joints [cm]; from there on points turn by the full angle.
     """
     share = np.clip((hip[1] - points[:, 1]) / depth, 0.0, 1.0)
     away = np.abs(points[:, 0])

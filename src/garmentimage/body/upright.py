@@ -1,9 +1,9 @@
 """Bodies as files have them, turned to stand: y up, facing +z, on the floor, in cm.
 
 Left and right of a body are alike, and from front to back it is thinner than it is wide or high.
-So the plane of symmetry is looked for among those that hold the thinnest direction, by reflecting
+So the plane of symmetry is searched among those that hold the thinnest direction, by reflecting
 the body and fitting the plane to the points that then lie nearest. In that plane only the legs
-leave the middle empty, which tells up from down; toes tell front from back.
+leave the middle empty, which distinguishes up from down; toes distinguish front from back.
 """
 
 import warnings
@@ -24,13 +24,13 @@ UNITS = {"m": 100.0, "ft": 30.48, "dm": 10.0, "in": 2.54, "cm": 1.0, "mm": 0.1}
 ADULT = 135.0
 """Bodies that are smaller [cm] may have other proportions than adults."""
 FOOT = 0.03
-"""Height up to which a foot is looked at for where its toes point, as a share of the stature."""
+"""Height up to which a foot shows where its toes point, as a share of the stature."""
 ANKLE = (0.05, 0.08)
 """Heights between which the leg lies above the heel, as shares of the stature."""
 SAMPLE = 1500
-"""Points of the skin, evenly by area, that tell how a body stands."""
+"""Points of the skin, evenly by area, that show how a body stands."""
 PLANES = 12
-"""Planes from which the plane of symmetry is looked for."""
+"""Planes from which the search for the plane of symmetry starts."""
 FITS, KEPT = 12, 0.9
 """Times that a plane is fitted, and share of the points, the best ones, that it is fitted to."""
 MIDDLE = 0.02
@@ -55,7 +55,7 @@ def upright(points: Points, faces: Int[np.ndarray, "face 3"]) -> Points:
         faces: corners into `points`.
 
     Raises:
-        DraftError: nothing of it stands, or its size is no body's.
+        DraftError: no part of it stands, or its size is not that of a body.
     """
     skin = _sample(points, faces)
     across = _symmetry(skin)
@@ -111,7 +111,7 @@ def _symmetry(skin: Points) -> Vector:
 def _fitted(skin: Points, tree: "cKDTree", normal: Vector) -> tuple[Vector, float]:
     """The plane of symmetry nearest to a plane through the middle, and how far it misses.
 
-    Points and the places their reflections should have tell the plane in closed form: its normal
+    Points and the places their reflections should have give the plane in closed form: its normal
     is the direction in which the two vary least together.
     """
     offset = skin.mean(0) @ normal

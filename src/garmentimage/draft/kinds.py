@@ -220,7 +220,7 @@ def make_hoodie(garment: Assembly, body: BodyMeasurements, design: Design) -> No
 
 
 def make_jumpsuit(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A bodice that goes on into both legs."""
+    """A bodice that continues into both legs."""
     block = BodiceBlock(body, design.bodice, design.neck)
     panels = _sew_trunk(garment, block, design, legs_below_waist(block, design.trousers))
     for side in SIDES:

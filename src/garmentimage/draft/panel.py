@@ -32,7 +32,7 @@ UPRIGHT, ALONG = (0.0, 1.0), (1.0, 0.0)
 """Grain lines: down the body, or along an arm or a band."""
 NO_ROTATION = (0.0, 0.0, 0.0)
 BACK_ROTATION = (0.0, 180.0, 0.0)
-"""Euler angles of a panel that is looked at from behind [degrees]."""
+"""Euler angles of a panel that is seen from behind [degrees]."""
 _ONE_LINE = 1e-9
 
 
@@ -188,7 +188,7 @@ def length(curves: Iterable[NamedCurve]) -> float:
 
 
 def _flipped(curve: Curve) -> Curve:
-    """The curve mirrored at x = 0 and walked the other way."""
+    """The curve mirrored at x = 0 and run in the opposite direction."""
     if isinstance(curve, Line):
         return Line(_flip(curve.end), _flip(curve.start))
     assert isinstance(curve, Bezier)

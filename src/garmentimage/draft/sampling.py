@@ -28,7 +28,7 @@ from garmentimage.system import did_you_mean
 END_SHARE = 0.03
 """Share of draws that a number's lowest value has, and its highest: corners of the ranges occur."""
 MAX_DRAWS = 100
-"""A sample that is rejected so often is given up: the source hardly gives a garment."""
+"""Attempts at a sample before an error: then the source hardly gives a garment."""
 ANY_BODY = "any"
 """Draws the body among the shipped ones, too."""
 SEED_LIMIT = 2**63
@@ -80,16 +80,16 @@ def sample(
     Args:
         source: a name from `kinds()`, a Kind or a Template.
         count: how many.
-        seed: the same seed gives the same garments for ever.
+        seed: the same seed always gives the same garments.
         body: measurements, the name of a shipped body, or "any" to draw among these, which is
             another draw in a version with another body; a template has its own.
         fixed: parameters of a kind that are not drawn, and their values; the others are drawn as
             without.
         workers: processes; the garments do not depend on it.
-        first: index of the first garment, to go on where another call ended.
+        first: index of the first garment, to continue where another call ended.
 
     Raises:
-        DraftError: an unknown name, a number that will not do, or a source that hardly gives a
+        DraftError: an unknown name, an invalid number, or a source that hardly gives a
             garment.
     """
     found = _found(source)

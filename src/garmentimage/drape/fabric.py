@@ -30,9 +30,9 @@ class Fabric:
     weight: float
     """[g/cm2]; 0.01 is 100 g/m2."""
     friction: float
-    """Tangent of the steepest slope of skin on which it stays."""
+    """Coefficient of friction on skin: tangent of the steepest slope on which it does not slide."""
     thickness: float
-    """How far the middle of the cloth stays from the skin [cm]."""
+    """Least distance between the middle of the cloth and the skin [cm]."""
     damping: float = 6.0
     """Share of the speed lost in air [1/s]."""
 

@@ -1,4 +1,4 @@
-"""Sewing patterns that come with the package, to try things on.
+"""Bundled sewing patterns and a picture, for examples and first steps.
 
 dress: a one-piece dress with short sleeves. darted_shirt: a fitted shirt with waist and bust
 darts. trousers: straight trousers with a waistband. cutout_top: a sleeveless top with a hole in

@@ -27,7 +27,7 @@ def show_sheet(
         out: a `.png` or `.svg` file.
 
     Raises:
-        OutputError: another kind of file is asked for, or it cannot be written.
+        OutputError: the ending is not a known one, or it cannot be written.
     """
     from matplotlib.figure import Figure
 

@@ -57,7 +57,7 @@ def show(
         steps: words over the arrows from each source to the next; none, no arrows.
 
     Raises:
-        OutputError: another kind of file is asked for, or it cannot be written.
+        OutputError: the ending is not a known one, or it cannot be written.
     """
     out = Path(out)
     suffix = out.suffix.lower()

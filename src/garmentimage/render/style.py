@@ -17,7 +17,7 @@ TYPE_COLOURS = {
     EdgeType.FRONT_TO_BACK: "#d55e00",
     EdgeType.SIDE_BY_SIDE: "#0072b2",
 }
-"""Grid edges by type (Okabe and Ito: told apart with any colour vision)."""
+"""Grid edges by type (Okabe and Ito: distinct for any colour vision)."""
 
 TYPE_NAMES = {
     EdgeType.NON_STITCH: "not sewn",

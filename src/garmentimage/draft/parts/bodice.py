@@ -48,7 +48,7 @@ STEEPEST_SHOULDER = 0.6
 HIP_EASE_LEAST = 4.0
 """A hem at the hip or below is wider than the hip by at least this [cm]."""
 SHORT_PIECE = 4.0
-"""A side seam goes on below the hip as an edge of its own from this length on [cm]."""
+"""A side seam continues below the hip as an edge of its own from this length on [cm]."""
 STRAIGHT_HEM = 1e-6
 """A hem or side seam that leaves its chord by less is straight [cm]."""
 ROUND = 0.5523

@@ -46,13 +46,13 @@ WAIST_RISE = {FRONT: 0.0, BACK: 2.5}
 BACK_LEG_EXTRA = 2.0
 """How much wider than the front the back of a leg is [cm]."""
 CROTCH_HANDLE = 0.6
-"""How far the crotch curve goes on straight at both ends, as a share of its height and reach."""
+"""How far the crotch curve continues straight at both ends, as a share of its height and reach."""
 CROTCH_LIFT = 0.05
 """How much it rises towards the middle, as a share of its height."""
 HANDLE = 0.25
 """Length of the handles of curves along the leg, as a share of their height."""
 SHORT_PIECE = 6.0
-"""A leg goes on below the knee as an edge of its own from this length on [cm]."""
+"""A leg continues below the knee as an edge of its own from this length on [cm]."""
 JUMPSUIT_RISE = 3.0
 """How much deeper than that of trousers the crotch of a jumpsuit lies [cm]."""
 JUMPSUIT_THIGH = 1.5
@@ -161,7 +161,7 @@ def leg_outline(
         design: the legs.
         facing: front or back.
         waist: as for `add_trousers` [cm].
-        inner_seam: length that the inside seam is to have [cm]; default: what comes out.
+        inner_seam: length that the inside seam is to have [cm]; default: as drafted.
     """
     hip = (_hip_width(body, design), body.hip_height - body.waist_height)
     if waist is None:
@@ -297,7 +297,7 @@ def _crotch_level(body: BodyMeasurements, design: TrousersDesign) -> float:
 
 
 def _inner(crotch: Point, below: Point, hem: Point) -> Bezier:
-    """The inside seam from the crotch down, hollowed out; it goes on straight to the hem."""
+    """The inside seam from the crotch down, hollowed out; it continues straight to the hem."""
     upper = lerp(crotch, below, HANDLE)
     return Bezier(crotch, (upper, _onward(hem, below, HANDLE * (crotch[1] - below[1]))), below)
 

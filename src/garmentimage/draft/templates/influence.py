@@ -5,7 +5,7 @@ Words of this file:
 - A **run** is one edge of a panel, or several in order; its vertices are the start of the first
   edge and the end of each edge.
 - A run changes its length along a **line**: a given direction, or the one from its first vertex to
-  its last. All its vertices move along that line, away from a place that stays.
+  its last. All its vertices move along that line, away from a fixed place.
 - A **bend** is a curved edge whose control point moves.
 
 The rules are those of the pattern templates of Korosteleva and Lee, "Generating Datasets of 3D
@@ -75,7 +75,7 @@ class Run:
         return ux * x + uy * y
 
     def fixed(self, loop: Loop) -> Point:
-        """The place that stays where it is."""
+        """The fixed place."""
         numbers = self.vertices(loop)
         (x0, y0), (x1, y1) = loop.vertices[numbers[0]], loop.vertices[numbers[-1]]
         match self.moving:
@@ -106,9 +106,10 @@ def scaled(outlines: Outlines, run: Run, factor: float) -> dict[str, Loop]:
 
 
 def lengthened(outlines: Outlines, run: Run, length: float) -> dict[str, Loop]:
-    """The outlines with each vertex of a run `length` [cm] further from the place that stays.
+    """The outlines with each vertex of a run `length` [cm] further from the fixed place.
 
-    Vertices level with that place stay too. Where both ends move the run gains twice `length`.
+    Vertices level with that place do not move either. Where both ends move, the run gains twice
+    `length`.
     """
 
     def step(distance: float) -> float:

@@ -271,7 +271,7 @@ def _check_restored(pattern: Pattern) -> None:
 
 
 def counter_clockwise(panel: Panel) -> Panel:
-    """A clockwise panel seen from its other side; the cloth stays where it is.
+    """A clockwise panel seen from its other side; the cloth does not move.
 
     The published samples are turned so. They also change the sign of the translation's x, which
     moves the panel by up to 4 mm; we do the same, so that ours lie where theirs do. The 'along'

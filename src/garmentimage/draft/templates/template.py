@@ -56,10 +56,10 @@ class Template:
     def read(cls, path: str | os.PathLike[str]) -> "Template":
         """Read a template, or a pattern drawn from one, from its file.
 
-        What was mended or looks odd in its pattern is told as a `PatternWarning`.
+        What was mended or looks odd in its pattern is reported as a `PatternWarning`.
 
         Raises:
-            PatternFileError: the file cannot be read, or is no template.
+            PatternFileError: the file cannot be read, or is not a template.
             PatternError: names the parameter, or the panel and edge, that cannot be.
         """
         with errors_about(path):

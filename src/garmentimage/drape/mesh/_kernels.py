@@ -25,7 +25,7 @@ from numba import njit
 ROUNDS = 4
 """Rounds of smoothing."""
 FLIP_TOL = 1e-9
-"""A flip must improve sin(a + b) by this, or rounding could flip back and forth for ever."""
+"""A flip must improve sin(a + b) by this, or rounding could flip back and forth endlessly."""
 KEEP_SHARE = 0.2
 """Smoothing may shrink a triangle to this share of its area in a round."""
 CLEARANCE = 0.6

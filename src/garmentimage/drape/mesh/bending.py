@@ -70,7 +70,7 @@ def _hinges(
     second = np.where(turned, at_end[1], at_start[1]), np.where(turned, at_start[1], at_end[1])
     hinge = np.stack([a, b, *across], axis=1)
     area = sum(areas[s // 3] for s in sides)
-    # Two triangles on the same three vertices are no hinge.
+    # Two triangles on the same three vertices are not a hinge.
     keep = across[0] != across[1]
     return hinge[keep], np.stack([at_start[0], at_end[0], *second], axis=1)[keep], area[keep]
 

@@ -34,7 +34,7 @@ MIN_EDGE_LENGTH, MAX_EDGE_LENGTH = 0.3, 6.0
 no detail, coarser no sleeve goes round a wrist. A tiny garment has fewer vertices than chosen, a
 huge one more."""
 COUNT_TOL = 0.1
-"""Share by which the number of vertices may miss what was asked for before it is meshed again."""
+"""Share by which the number of vertices may miss the target before the garment is meshed again."""
 MAX_ATTEMPTS = 5
 """Attempts to meet the number of vertices, and to free a panel of faults."""
 CELL = sqrt(3) / 2

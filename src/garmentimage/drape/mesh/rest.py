@@ -99,7 +99,7 @@ def peak_strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> float:
     """The stretch that all but `STRAINED` of the cloth keeps below.
 
     By area, not by number of triangles: those of narrow bands are small, so that their number
-    would tell how the cloth was cut into triangles.
+    would depend on how the cloth was cut into triangles.
     """
     stretch = strain(rest, points)
     order = np.argsort(-stretch, kind="stable")

@@ -7,7 +7,7 @@ after GEOS stand above the compiled loops in `_kernels`.
 
 Why no mesh generator is used: `triangle` may not be used commercially, `meshpy` wraps it, and
 `gmsh` is under the GPL, none of which this package could pass on under its own licence. GEOS (LGPL,
-by way of shapely) triangulates without points inside.
+used through shapely) triangulates without points inside.
 
 Words of this file: a **ring** is a closed polygon without its first point repeated; a **side** is
 the straight line from one of its points to the next; `across[t, k]` is the triangle across the

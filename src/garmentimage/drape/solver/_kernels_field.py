@@ -26,7 +26,7 @@ def sweep(values, far, cell):
     for i in range(nx):
         for j in range(ny):
             for k in range(nz):
-                # Distances near the surface are exact and stay.
+                # Distances near the surface are exact and are kept.
                 if not far[i, j, k]:
                     continue
                 best = values[i, j, k]

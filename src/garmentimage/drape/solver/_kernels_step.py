@@ -45,7 +45,7 @@ LOOK_AHEAD = 0.1
 BEND_LOOK_AHEAD = 1.0
 """Bending forces are taken at the places this share of their time of use later. At a half they
 would neither damp nor drive; forces kept for several steps can then drive the springs (as impulses
-do in multiple time stepping), and crumpled cloth jitters for ever. At one they damp."""
+do in multiple time stepping), and crumpled cloth never stops to jitter. At one they damp."""
 DISTANCE_TRUST = 0.8
 """Share of the distance field's value that is certain far from the body, where the field is too
 great by up to an eighth."""
@@ -330,7 +330,7 @@ def _lift(points, triangles, springs, field, state):
     """Raise the corners of triangles through which the body comes, and lower the others.
 
     Contact is found at vertices only, and a chord of a round body runs through it. So the middles
-    of triangles and of their sides are looked at as well, and where they lie under the skin the
+    of triangles and of their sides are checked as well, and where they lie under the skin the
     corners are kept farther off, up to `max_lift`. Cloth that is taut already is not raised: the
     coarse triangles alone would stretch it.
     """

@@ -70,7 +70,7 @@ LEVEL_STEP = 1.0
 STATURES = (90.0, 230.0)
 """Statures that a pattern may be made for [cm]."""
 DEPTH_GAP = 5.0
-"""Panels that lie less far apart in depth [cm] do not tell front from back."""
+"""Panels that lie less far apart in depth [cm] do not distinguish front from back."""
 DEPTH_ROOM = 3.0
 """Distance from the body that the plane of the back should have [cm]."""
 BACK_NEARER = 4.0

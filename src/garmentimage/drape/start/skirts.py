@@ -20,7 +20,7 @@ from garmentimage.drape.support import SupportSite
 WIDE, KEPT_BEYOND = np.deg2rad(60.0), 0.15
 """A skirt begins to hang at this angle from straight down at most, plus this share of the rest."""
 HALF_ROUND = np.deg2rad(95.0)
-"""Half of a circle skirt has a seam that goes on to this angle from straight down, or further."""
+"""Half of a circle skirt has a seam that reaches to this angle from straight down, or further."""
 FLARED = np.deg2rad(40.0)
 """The same for a free top edge: nothing over it keeps a flared one level."""
 STRAIGHT_DOWN = np.deg2rad(30.0)

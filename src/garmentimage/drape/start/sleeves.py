@@ -11,7 +11,7 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.start.sides import Landmarks, chest, faces_front, of_side
 
 SLEEVE_INNER = 0.2
-"""Sleeves stay outside of this share of the shoulder joint's distance from the middle."""
+"""Sleeves lie outside of this share of the shoulder joint's distance from the middle."""
 UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
 MIN_TURNED_LENGTH = 5.0

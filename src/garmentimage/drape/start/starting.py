@@ -2,7 +2,7 @@
 
 Patterns are drawn for bodies that hold their arms and legs otherwise than ours: arms stretched out
 or 45 degrees down, legs 20 degrees apart or together. A limb that begins outside of its sleeve or
-trouser leg would stay outside. So before the panels are sewn, sleeves are laid along the arms
+trouser leg would remain outside. So before the panels are sewn, sleeves are laid along the arms
 (`sleeves`), collars round the neck (`collars`), wide skirts hung (`skirts`), and trousers laid
 along the legs (`legs`).
 
@@ -31,7 +31,7 @@ def start_points(
     Args:
         cloth: the sewn garment, its panels where the body wears them.
         body: who wears it.
-        placements: where each piece of clothing was put.
+        placements: where each item of clothing was put.
     """
     corners = np.empty((len(cloth.flat), 3))
     for k, panel in enumerate(cloth.pattern.panels):

@@ -182,7 +182,7 @@ def _slid_faults(
         far = _off(item, points, start, above, body)
         limit, sank = MAX_SLID, 0.0
         if placement.site is SupportSite.WAIST and placement.is_supported:
-            # Worn on the hips, as its top edge is too long for the waist; but there it must stay.
+            # Worn on the hips, as its top edge is too long for the waist; it must not sink further.
             limit = on_hips(body)
             sank = placement.level - float(points[item.top, 1].mean()) if len(item.top) else 0.0
         if far > limit or sank > MAX_SLID:
@@ -242,7 +242,7 @@ def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body:
 
     A bone that leaves through one opening only, as the head does, has no turns left when those of
     all openings are added up; else it goes through cloth. Where none did at the start (flat panels
-    may begin beside a limb), the turns of each opening must have stayed, too: both legs in one
+    may begin beside a limb), the turns of each opening must be the same, too: both legs in one
     trouser leg go through no cloth. A hood may begin over the face and come to lie round it, so
     that its opening may pass the head.
     """

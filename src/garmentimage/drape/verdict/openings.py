@@ -7,8 +7,8 @@ Words of this file:
 - A **bone** is a line from the middle of the chest through a limb and on beyond it: head, arms,
   legs.
 - An opening **turns** round a bone as often as it goes round it. Cloth that is moved without
-  passing through the body keeps its turns, so they tell a garment that is still worn from one
-  that a limb has gone through.
+  passing through the body keeps its turns, so they distinguish a garment that is still worn from
+  one that a limb has gone through.
 """
 
 from collections.abc import Mapping
@@ -30,7 +30,7 @@ there the bone turns to the front, since a hood closes over the crown."""
 
 FORWARD = np.array([0.0, 0.0, 1.0])
 BEYOND = 500.0
-"""How far a bone goes on beyond its last landmark [cm]."""
+"""How far a bone extends beyond its last landmark [cm]."""
 
 BESIDE = np.array([0.0137, 0.0071, 0.0113])
 """Bones lie this far beside their landmarks [cm]: a symmetric garment has vertices in the middle
@@ -72,7 +72,7 @@ def bones(body: Body) -> dict[str, Float[np.ndarray, "_ 3"]] | None:
 def openings(faces: Int[np.ndarray, "face 3"]) -> list[Int[np.ndarray, " _"]]:
     """The closed lines of vertices round every opening, longest first.
 
-    Where openings meet in one vertex, lines end there and go on arbitrarily but the same way on
+    Where openings meet in one vertex, lines end there and continue arbitrarily but alike on
     every run; their turns add up all the same.
     """
     # Lapels are sewn on with the same side of the cloth down.

@@ -7,7 +7,7 @@ from garmentimage.body import Body
 from garmentimage.drape.solver import body_field
 
 PARTS = 3
-"""Sides of triangles are cut into so many parts, at whose corners it is looked."""
+"""Triangles are checked at the corners of a grid with so many parts a side."""
 HAND = 25.0
 """A hand ends no farther than this from the wrist [cm]."""
 

@@ -85,7 +85,7 @@ def draw_cells(image: GarmentImage, ax: "Axes") -> None:
 def _quads(image: GarmentImage, layer: int) -> Float[np.ndarray, "cell 4 2"]:
     """Corners of each inside cell's quadrilateral about its centre [cm], in raster order.
 
-    Where the four vectors do not close, the misfit is shared between the two ways to the corner
+    Where the four vectors do not close, the misfit is shared between the two paths to the corner
     opposite the origin.
     """
     rows, cols = np.nonzero(image.inside[layer])

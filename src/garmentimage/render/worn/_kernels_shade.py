@@ -134,7 +134,7 @@ def find_pixels(step, cloth_from, visible, silhouette, behind, pixels):
     """List the pixels in which something is seen, and how much of each; returns their number.
 
     Args:
-        step: samples of a pixel, each way.
+        step: samples of a pixel along each axis.
         cloth_from: number of the first surface that counts for `silhouette`.
         visible: what is seen at each sample, a `Visible`.
         silhouette: share of each pixel in which cloth is seen; is written to.
@@ -318,7 +318,7 @@ def shade(number, pixels, visible, shape, dye, ink, lighting, light):
     key, fill, up = lamps.key_direction, lamps.fill_direction, lamps.up
     rim, soft = lamps.rim, lamps.softness
     faces = shape.faces
-    step = len(owner) // len(light)  # Samples of a pixel, each way.
+    step = len(owner) // len(light)  # Samples of a pixel along each axis.
     part = 1 / (step * step)
     for p in range(len(pixels)):
         row, col = pixels[p, 0], pixels[p, 1]

@@ -23,7 +23,7 @@ def scenery(path: str | PathLike[str]) -> Float32[np.ndarray, "row col 3"]:
     """A user's picture, its middle square.
 
     Raises:
-        RenderError: the file is no picture, or too large.
+        RenderError: the file is not a picture, or too large.
     """
     image = read_picture(path)
     side = min(image.shape[:2])
@@ -44,7 +44,7 @@ def filled(
 
 
 def _along(image: Float32[np.ndarray, "row col 3"], size: int) -> Float32[np.ndarray, "size col 3"]:
-    """The rows of an image, `size` of them: the first and the last row stay where they are."""
+    """The rows of an image, `size` of them: the first and the last row are kept."""
     place = np.linspace(0, len(image) - 1, size)
     low = np.minimum(place.astype(int), max(len(image) - 2, 0))
     high = np.minimum(low + 1, len(image) - 1)

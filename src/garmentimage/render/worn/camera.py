@@ -18,7 +18,7 @@ VIEWS: Mapping[str, float] = MappingProxyType(
 )
 """Azimuth of the named views [rad]; "side" shows the wearer's left."""
 ORTHOGRAPHIC_DISTANCE = 400.0
-"""An orthographic picture tells depths from this far in front of the target [cm]."""
+"""An orthographic picture measures depths from this far in front of the target [cm]."""
 FILM_HEIGHT_MM = 24.0
 """Height of a 35 mm frame, by which photographers name focal lengths."""
 MIN_DISTANCE = 5.0
@@ -71,7 +71,7 @@ class Camera:
 
     @property
     def stand(self) -> float:
-        """Distance of the plane from which depth is told [cm]."""
+        """Distance of the plane from which depth is measured [cm]."""
         return ORTHOGRAPHIC_DISTANCE if self.distance is None else self.distance
 
     @property

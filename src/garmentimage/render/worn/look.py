@@ -114,7 +114,7 @@ def photograph(
 
     Args:
         garment: the garment on its body.
-        look: light, colours and the like; plain colours in a studio unless told.
+        look: light, colours and the like; by default plain colours in a studio.
         view: one of `camera.VIEWS`.
         size: rows and columns of the picture, 16 to 2048.
         seams: whether sewn and free edges are drawn as lines.

@@ -1,4 +1,4 @@
-"""What a view tells beside its colours, as PNG files that any program reads.
+"""Depth, normals, panels and silhouette of a view, as PNG files that any program reads.
 
 | map | PNG | value |
 |---|---|---|
@@ -24,7 +24,7 @@ DEPTH_STEP = 0.01
 MAX_LEVEL = 65_535
 """Depths beyond this level read as this level."""
 NOTHING, BODY = "#ffffff", "#b8b8b8"
-"""Colours in which the panel picture shows what is no panel."""
+"""Colours in which the panel picture shows everything but panels."""
 MAX_PANELS = 254
 """A palette has 256 entries, two of which are not panels."""
 
@@ -50,7 +50,7 @@ def panel_numbers(views: Views) -> UInt8[np.ndarray, "row col"]:
     last = int(views.panel.max(initial=0))
     if last > MAX_PANELS:
         raise RenderError(
-            f"a picture of panels tells {MAX_PANELS} of them apart, and this one shows panel "
+            f"a picture of panels distinguishes {MAX_PANELS} of them, and this one shows panel "
             f"{last}; read the numbers in Python, from `Views.panel`"
         )
     return (views.panel + 1).astype(np.uint8)

@@ -40,7 +40,7 @@ MAX_SURFACES = 250
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """One view, told in several ways; row 0 at the top."""
+    """One view as several pictures; row 0 at the top."""
 
     colour: UInt8[np.ndarray, "row col 3"]
     """sRGB."""

@@ -78,7 +78,7 @@ def picture_print(path: str | PathLike[str], *, width: float) -> Print:
     """A user's picture as a print that repeats every `width` cm.
 
     Raises:
-        RenderError: the file is no picture, or too large.
+        RenderError: the file is not a picture, or too large.
     """
     tile = read_picture(path) / 255
     return Print(tile, width, width * len(tile) / tile.shape[1])
@@ -88,7 +88,7 @@ def read_picture(path: str | PathLike[str]) -> Float[np.ndarray, "row col 3"]:
     """A picture file as 8-bit sRGB numbers.
 
     Raises:
-        RenderError: the file is no picture, or too large.
+        RenderError: the file is not a picture, or too large.
     """
     from PIL import Image
 
@@ -114,7 +114,7 @@ def read_picture(path: str | PathLike[str]) -> Float[np.ndarray, "row col 3"]:
                 f"make it smaller than {MAX_PIXELS // 1_000_000} million"
             ) from None
         raise RenderError(
-            f"{shown_path(path)}: is no picture that can be read; save it as PNG or JPEG"
+            f"{shown_path(path)}: is not a picture that can be read; save it as PNG or JPEG"
         ) from None
 
 

@@ -29,7 +29,7 @@ from garmentimage.render.worn.zbuffer import MAX_CACHED, Visible, seen_by
 NO_SURFACE = -1
 """Panel id of pixels in which nothing is seen."""
 SUPERSAMPLES = 2
-"""Samples of a pixel, each way."""
+"""Samples of a pixel along each axis."""
 SEAM_BREADTH, MIN_SEAM_BREADTH = 0.5, 0.7
 """Breadth of a drawn seam [cm], and the least it has [pixel]."""
 LINE_REACH = 0.8
@@ -64,7 +64,7 @@ def shape_of(surface: Surface, camera: Camera) -> Shape:
 def _still_turned(
     surface: Surface, camera: Camera
 ) -> tuple[Float[np.ndarray, " vertex"], Float[np.ndarray, "vertex 3"]]:
-    """`_turned`, kept for surfaces that stay the same in many pictures."""
+    """`_turned`, kept for still surfaces."""
     return _turned(surface, camera)
 
 

@@ -60,11 +60,11 @@ class Surface:
     hems: Int[np.ndarray, "hem 2"] = field(default_factory=lambda: NO_LINES)
     """Vertices of its free edges."""
     still: bool = False
-    """Whether it stays the same in many pictures: then what the camera sees of it is kept."""
+    """Whether it is the same in many pictures: then what the camera sees of it is kept."""
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.points).all():
-            raise RenderError(f"surface {quoted(self.name)}: has points that are no finite numbers")
+            raise RenderError(f"surface {quoted(self.name)}: has NaN or infinite coordinates")
         # Compiled code looks these up without asking.
         assert len(self.colour) == len(self.ids) == len(self.faces)
         for numbers in (self.faces, self.seams, self.hems):
@@ -155,7 +155,7 @@ def surfaces_of(
 def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
     """For each panel "top", "bottom" or "dress", by where its cloth hangs.
 
-    Names of panels tell too little (half of all patterns have a "front"). A panel that reaches the
+    Names of panels say too little (half of all patterns have a "front"). A panel that reaches the
     chest is of a top, and of a dress if it also reaches the thighs; what is sewn to a dress at the
     chest or the arms is dress, too.
     """

@@ -25,7 +25,7 @@ def rgb(tint: Tint) -> Float[np.ndarray, " 3"]:
     """A tint as three sRGB numbers from 0 to 1.
 
     Raises:
-        RenderError: it is no colour.
+        RenderError: it is not a colour.
 
     Example:
         >>> rgb("#ff0033").tolist()
@@ -40,7 +40,7 @@ def rgb(tint: Tint) -> Float[np.ndarray, " 3"]:
             levels = ()
         if len(levels) != 3 or not all(0 <= level <= 255 for level in levels):
             raise RenderError(
-                f"{quoted(tint)} is no colour; write a name such as 'navy', or '#rrggbb'"
+                f"{quoted(tint)} is not a colour; write a name such as 'navy', or '#rrggbb'"
             )
         return np.array(levels) / 255
     values = np.asarray(tint, float)

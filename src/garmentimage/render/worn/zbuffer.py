@@ -17,11 +17,11 @@ from garmentimage.render.worn.camera import Camera
 from garmentimage.render.worn.surface import Surface
 
 SUBSAMPLE = 256
-"""Positions a sample is divided into, each way."""
+"""Positions a sample is divided into along each axis."""
 NOTHING = 0
 """Owner of samples at which nothing is seen."""
 MAX_CACHED = 6
-"""Views of surfaces that stay the same which are kept."""
+"""Views of still surfaces that are kept."""
 
 
 class Visible(NamedTuple):
@@ -93,7 +93,7 @@ def seen_by(surfaces: Sequence[Surface], camera: Camera, samples: int, role: str
 
 @lru_cache(maxsize=MAX_CACHED)
 def _still_view(still: tuple[Surface, ...], camera: Camera, samples: int) -> Visible:
-    """What a camera sees of surfaces that stay the same in many pictures."""
+    """What a camera sees of still surfaces."""
     seen = Visible.empty(samples)
     _draw(still, 1, camera, seen)
     return seen
