@@ -191,11 +191,7 @@ def test_every_documented_command_and_option_exists(page, words, help_texts):
     assert known, f"{page}: there is no command {verb!r}"
     if len(words) > 1 and re.fullmatch(r"[a-z][a-z-]+", words[1]):
         known += help_texts((verb, words[1]))  # of a subcommand
-    missing = [
-        word
-        for word in words
-        if word.startswith("--") and word.split("=")[0] not in known
-    ]
+    missing = [word for word in words if word.startswith("--") and word.split("=")[0] not in known]
     assert missing == [], f"{page}: {shlex.join(words)}"
 
 
