@@ -30,7 +30,7 @@ import numpy as np
 from mutations import MUTATIONS, Expected
 from provenance import data_hash, provenance
 
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.draft.kinds import KINDS
 from garmentimage.draft.sampling import sample
 from garmentimage.drape.draping import drape_pattern
@@ -136,9 +136,9 @@ def _read(spec: dict[str, Any]) -> Pattern:
 
 def _encoded(whole: dict[str, Any], pattern: Pattern, expected: Expected) -> dict[str, Any]:
     found = decode(encode(pattern))
-    result = judge(pattern, found)
+    result = compare_patterns(pattern, found)
     if not result.success and expected.same:
-        result = judge(_read(whole), found)
+        result = compare_patterns(_read(whole), found)
     if result.success:
         return {"outcome": "same"}
     return {"outcome": "WRONG", "why": "; ".join(result.reasons)[:300]}

@@ -46,7 +46,7 @@ from garmentimage.pattern.files.spec import load_pattern, save_pattern
 from garmentimage.pattern.model import Pattern
 from garmentimage.render.worn.photographing import body_camera, picture
 from garmentimage.render.worn.surface import surfaces_of
-from garmentimage.system.processes import Lost, map_in_processes
+from garmentimage.system.processes import TimedOut, map_in_processes
 
 BODY, FABRIC = "mean-female", "cotton"
 STAGES = {
@@ -286,7 +286,7 @@ def scaling(garments: list[Pattern], vertices: int, count: int) -> dict[str, flo
         tasks = [(garments[k % len(garments)], vertices) for k in range(-workers, count)]
         first_end, spans = 0.0, []
         for done in map_in_processes(draped_span, tasks, workers=workers, time_limit=TIME_LIMIT_S):
-            if isinstance(done.result, Lost):
+            if isinstance(done.result, TimedOut):
                 raise SystemExit(done.result.reason)
             if done.is_first:
                 first_end = max(first_end, done.result[1])

@@ -30,7 +30,7 @@ from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
 from garmentimage.render.worn.photographing import body_camera, picture
 from garmentimage.render.worn.surface import surfaces_of
-from garmentimage.system.processes import Lost, map_in_processes
+from garmentimage.system.processes import TimedOut, map_in_processes
 
 BODY = "mean-female"
 PICTURE = 256
@@ -138,7 +138,7 @@ def main() -> int:
     with tqdm(total=len(todo), unit="drape", disable=None, file=sys.stderr) as bar:
         for done in map_in_processes(run, todo, workers=args.workers, time_limit=TIME_LIMIT_S):
             task, result = todo[done.number], done.result
-            if isinstance(result, Lost):
+            if isinstance(result, TimedOut):
                 result = {"group": task.group, "name": task.name, "faults": [result.reason]}
             rows[done.number] = result
             bar.update()

@@ -11,7 +11,7 @@ import numpy as np
 
 import garmentimage as gi
 from garmentimage.cli.app import main as run
-from garmentimage.compare import judge
+from garmentimage.compare import compare_patterns
 from garmentimage.examples import example_names, example_path, example_picture
 from garmentimage.render.flat.drawing import seam_numbers
 from garmentimage.render.showing import show
@@ -77,7 +77,7 @@ def encode_and_decode(folder: Path) -> int:
             titles=(f"{name}, sewing pattern", f"GarmentImage, {GRID} x {GRID}", "decoded pattern"),
             steps=("encode", "decode"),
         )
-        result = judge(pattern, again)
+        result = compare_patterns(pattern, again)
         failed += not result.success
         verdict = (
             "the same panels and seams came back, boundaries within "

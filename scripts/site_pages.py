@@ -229,7 +229,7 @@ def index_page() -> str:
             "",
             f"`import {PACKAGE} as gi` gives the names of [`{PACKAGE}`]({PACKAGE}.md), which is",
             "all that most programs need. Further names are imported from the package that they",
-            "belong to, such as `from garmentimage.compare import judge`. Modules inside a package",
+            "belong to, such as `from garmentimage.compare import compare_patterns`. Modules inside a package",
             "are private. Lengths are cm unless a page says otherwise.",
             "",
             "| package | what it is |",

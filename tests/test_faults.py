@@ -16,7 +16,7 @@ import pytest
 
 from garmentimage import decode, load_image
 from garmentimage.cli.app import main
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.drape.files.glb import load_drape
 from garmentimage.drape.girths import girth
 from garmentimage.drape.mesh.rest import rest_of
@@ -188,7 +188,7 @@ def test_it_comes_back_the_same_or_is_refused(name, faults, tmp_path, capsys):
         return
     assert code == 0 and wanted.trip in ("same", "same or error")
     assert main(["decode", str(image), "-o", str(back)]) == 0
-    result = judge(read_pattern(faults / name)[0], read_pattern(back)[0])
+    result = compare_patterns(read_pattern(faults / name)[0], read_pattern(back)[0])
     assert result.success, result.reasons
 
 
@@ -231,7 +231,7 @@ def test_soft_shares_give_the_garment_at_every_level_of_repair(name, level, faul
     out, truth = tmp_path / "back.json", name.replace("_shares999.npy", ".json")
     assert main(["decode", str(faults / name), "--repair", level, "-o", str(out)]) == 0
     found, wanted = read_pattern(out)[0], read_pattern(faults / truth)[0]
-    result = judge(wanted, found, any_pose=True)
+    result = compare_patterns(wanted, found, any_pose=True)
     assert result.success, result.reasons
 
 

@@ -96,12 +96,12 @@ def check_type(value: object, wanted: type, way_out: str) -> None:
         )
 
 
-SHOWN_NAME_LENGTH = 40
+MAX_SHOWN_NAME = 40
 """Characters of a name that a message shows."""
 
 
 def quoted(name: str) -> str:
     """A name from a file, fit for one line of a message: in quotes, escaped, shortened."""
-    if len(name) > SHOWN_NAME_LENGTH:
-        name = name[: SHOWN_NAME_LENGTH - 1] + "…"
+    if len(name) > MAX_SHOWN_NAME:
+        name = name[: MAX_SHOWN_NAME - 1] + "…"
     return repr(name)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.compare.stitch_graphs import (
     match_graphs,
     same_stitch_graph,
@@ -179,7 +179,7 @@ def test_equal_gores_may_be_any_of_each_other(order):
     )
     assert match is not None
     assert same_stitch_graph(stitch_graph(garment), stitch_graph(again), match.panels) == []
-    assert judge(garment, again).success
+    assert compare_patterns(garment, again).success
 
 
 def test_loose_panels_find_the_candidate_that_is_left():
@@ -213,4 +213,4 @@ def test_many_separate_copies_are_matched_in_bounded_time(draw):
         tuple(p for c in copies for p in c.panels), tuple(s for c in copies for s in c.stitches)
     )
     backwards = Pattern(many.panels[::-1], many.stitches[::-1])
-    assert judge(many, backwards).success
+    assert compare_patterns(many, backwards).success

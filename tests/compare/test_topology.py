@@ -1,12 +1,12 @@
 """The word of a topology: the same for garments sewn alike, another for others."""
 
 from garmentimage.compare import stitch_graph
-from garmentimage.compare.topology import topology_word
+from garmentimage.compare.topology import topology_hash
 from garmentimage.draft.sampling import sample
 
 
 def words(kind: str, **fixed) -> set[str]:
-    return {topology_word(stitch_graph(each.pattern)) for each in sample(kind, 12, 5, fixed=fixed)}
+    return {topology_hash(stitch_graph(each.pattern)) for each in sample(kind, 12, 5, fixed=fixed)}
 
 
 def test_garments_of_one_topology_have_one_word_whatever_their_sizes():

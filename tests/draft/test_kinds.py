@@ -11,8 +11,8 @@ import shapely
 from hypothesis import assume, given, settings
 
 from garmentimage.body.body_measurements import measurements, presets
-from garmentimage.compare.judging import judge
-from garmentimage.compare.validation import validity
+from garmentimage.compare.comparison import compare_patterns
+from garmentimage.compare.validation import pattern_faults
 from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, PARTS, draft_pattern
 from garmentimage.draft.panel import FACINGS
 from garmentimage.draft.parameters import parameters_of
@@ -66,7 +66,7 @@ def gathers(values):
 def test_a_draft_can_be_cut_and_sewn(design):
     pattern = drafted(design)
     check_pattern(pattern)
-    assert validity(pattern) == []
+    assert pattern_faults(pattern) == []
 
 
 @given(designs())
@@ -243,7 +243,7 @@ def test_a_draft_survives_its_file(tmp_path):
 @pytest.mark.parametrize("kind", KINDS)
 def test_defaults_come_back_from_the_raster(kind):
     pattern = draft_pattern(kind)
-    result = judge(pattern, decode(encode(pattern, grid=16)))
+    result = compare_patterns(pattern, decode(encode(pattern, grid=16)))
     assert result.success, result.reasons
     assert min(result.iou.values()) > 0.97
 
@@ -253,7 +253,7 @@ def test_defaults_come_back_from_the_raster(kind):
 @settings(max_examples=40)
 def test_random_designs_come_back_from_the_raster(design):
     pattern = drafted(design)
-    result = judge(pattern, decode(encode(pattern, grid=32)))
+    result = compare_patterns(pattern, decode(encode(pattern, grid=32)))
     assert result.success, result.reasons
 
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from garmentimage.compare import match_panels, stitch_graph, validity
-from garmentimage.compare.topology import topology_word
+from garmentimage.compare import match_panels, pattern_faults, stitch_graph
+from garmentimage.compare.topology import topology_hash
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.draft.sampling import sample
 from garmentimage.errors import DatasetError, LearnError
@@ -29,7 +29,7 @@ def space():
 
 
 def word(pattern) -> str:
-    return topology_word(stitch_graph(pattern))
+    return topology_hash(stitch_graph(pattern))
 
 
 @pytest.mark.parametrize("kind", ["one-panel-dress", "top-pants", "top-skirt"])
@@ -50,7 +50,7 @@ def test_the_way_between_two_garments_begins_and_ends_with_them(space):
     assert np.allclose(way[0].z, space.encode(a), atol=1e-5)
     assert np.allclose(way[-1].z, space.encode(b), atol=1e-5)
     assert word(way[0].pattern) == word(a) and word(way[-1].pattern) == word(b)
-    assert all(step.pattern is not None and not validity(step.pattern) for step in way)
+    assert all(step.pattern is not None and not pattern_faults(step.pattern) for step in way)
     for steps in (1, 201):
         with pytest.raises(LearnError, match=f"{steps} steps; give 2 to 200"):
             interpolate(space, a, b, steps)

@@ -7,7 +7,7 @@ import pytest
 import torch
 from scipy.spatial.distance import cdist
 
-from garmentimage.compare import validity
+from garmentimage.compare import pattern_faults
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import DecodeError
 from garmentimage.evaluate.garment import panel_overlap, same_graph
@@ -40,7 +40,7 @@ def test_what_is_said_without_error_is_the_garment():
     for number, garment in enumerate(GARMENTS):
         again = pattern_from(said(truth), number, WORDS)
         assert panel_overlap(garment, again) > 0.99 and same_graph(garment, again)
-        assert not validity(again)
+        assert not pattern_faults(again)
         for panel in garment.panels:
             other = again.by_name[panel.name]
             corners = [np.array(each.outline.vertices) for each in (panel, other)]

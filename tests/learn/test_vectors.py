@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from garmentimage.compare import match_panels, validity
+from garmentimage.compare import match_panels, pattern_faults
 from garmentimage.draft.sampling import sample
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.learn.data.pattern_vectors import (
@@ -39,7 +39,7 @@ def test_garments_of_a_known_topology_come_back():
         assert [p.name for p in again.panels] == sorted(p.name for p in pattern.panels)
         matching = match_panels(pattern, again, by_name=True)
         alike += [pair.iou for pair in matching.pairs]
-        assert not validity(again)
+        assert not pattern_faults(again)
     # One control point an edge, as the paper has it, cannot tell the S of a sleeve cap.
     assert np.mean(alike) > 0.97 and min(alike) > 0.8
 

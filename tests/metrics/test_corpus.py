@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from garmentimage.compare.judging import judge
-from garmentimage.compare.validation import validity
+from garmentimage.compare.comparison import compare_patterns
+from garmentimage.compare.validation import pattern_faults
 from garmentimage.pattern.files.spec import read_pattern
 from tests.compare.garments import (
     renamed_panels,
@@ -32,8 +32,8 @@ def patterns():
 
 def test_every_pattern_is_valid_and_itself(patterns):
     for pattern in patterns:
-        assert validity(pattern) == [], pattern.name
-        result = judge(pattern, pattern)
+        assert pattern_faults(pattern) == [], pattern.name
+        result = compare_patterns(pattern, pattern)
         assert result.success, (pattern.name, result.reasons)
         assert result.seam_agreement == 1
         assert result.seam_length_deviation == 0
@@ -47,7 +47,7 @@ def test_every_pattern_written_otherwise_is_itself(patterns):
         cuts |= {side: 0.5 for side in pattern.sides() if side not in pattern.partners}
         again = shifted_loops(split_edges(pattern, cuts), 2)
         again = renamed_panels(reordered(again, rng), lambda name: f"piece {name}")
-        result = judge(pattern, again)
+        result = compare_patterns(pattern, again)
         assert result.success, (pattern.name, result.reasons)
 
 
@@ -66,7 +66,7 @@ def test_every_damaged_pattern_is_another(patterns):
             ),
         }
         for damage, other in damaged.items():
-            result = judge(pattern, other)
+            result = compare_patterns(pattern, other)
             assert not result.success, (pattern.name, damage)
             assert result.reasons
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from garmentimage.compare.judging import RoundtripResult, judge
+from garmentimage.compare.comparison import RoundtripResult, compare_patterns
 from garmentimage.errors import EncodeError
 from garmentimage.examples import example_path
 from garmentimage.metrics.report import report_to_json
@@ -25,7 +25,7 @@ from garmentimage.pattern.files.spec import read_pattern, save_pattern
 from garmentimage.pattern.model import Pattern, Side, Stitch
 from garmentimage.raster.decode.decoder import decode
 from garmentimage.raster.encode.encoder import encode
-from garmentimage.system.processes import Lost, map_in_processes
+from garmentimage.system.processes import TimedOut, map_in_processes
 from tests.compare.garments import (
     GARMENTS,
     darted_skirt,
@@ -49,7 +49,7 @@ def test_a_garment_written_otherwise_is_the_same_garment(garment, seed, shift, s
     rng = np.random.default_rng(seed)
     cut_up = split_edges(garment, {stitch.a: share for stitch in garment.stitches})
     again = renamed_panels(reordered(shifted_loops(cut_up, shift), rng), str.upper)
-    result = judge(garment, again)
+    result = compare_patterns(garment, again)
     assert result.success, result.reasons
     assert result.seam_agreement == 1
     assert result.seam_length_deviation < 0.05
@@ -72,7 +72,7 @@ def test_a_damaged_garment_is_another_one(garment, data):
             ]
         )
     )
-    result = judge(garment, damaged)
+    result = compare_patterns(garment, damaged)
     assert not result.success
     assert result.reasons
 
@@ -80,28 +80,28 @@ def test_a_damaged_garment_is_another_one(garment, data):
 def test_names_that_changed_places_do_not_matter():
     sleeve = sleeve_with_cuff()
     other = {"sleeve_front": "sleeve_back", "sleeve_back": "cuff", "cuff": "sleeve_front"}
-    assert judge(sleeve, renamed_panels(sleeve, other.get)).success
+    assert compare_patterns(sleeve, renamed_panels(sleeve, other.get)).success
 
 
 def test_an_edge_sewn_twice_is_no_success():
     skirt = darted_skirt()
     twice = replace(skirt, stitches=(*skirt.stitches, Stitch(Side("front", 0), Side("back", 2))))
-    assert judge(skirt, twice).reasons == ("edge 0 of panel 'front' is sewn 2 times",)
+    assert compare_patterns(skirt, twice).reasons == ("edge 0 of panel 'front' is sewn 2 times",)
 
 
 def test_a_turned_panel_is_the_same_in_any_pose_only():
     skirt = darted_skirt()
     turned = transformed_panel(skirt, "back", QUARTER_TURN)
-    assert not judge(skirt, turned).success
-    assert judge(skirt, turned, any_pose=True).success
+    assert not compare_patterns(skirt, turned).success
+    assert compare_patterns(skirt, turned, any_pose=True).success
 
 
 def test_a_panel_seen_from_the_other_face_is_the_same_in_any_pose_only():
     """Its outline then runs the other way in panel coordinates, and nothing else changes."""
     skirt = darted_skirt()
     mirrored = transformed_panel(skirt, "front", MIRROR)
-    assert "panel 'front' is inside out" in judge(skirt, mirrored).reasons
-    assert judge(skirt, mirrored, any_pose=True).success
+    assert "panel 'front' is inside out" in compare_patterns(skirt, mirrored).reasons
+    assert compare_patterns(skirt, mirrored, any_pose=True).success
 
 
 def test_a_panel_upside_down_is_another_garment_in_any_pose():
@@ -111,13 +111,13 @@ def test_a_panel_upside_down_is_another_garment_in_any_pose():
         Stitch(Side("front", 8), Side("back", 3)),
         *skirt.stitches[2:],
     )
-    assert not judge(skirt, replace(skirt, stitches=stitches), any_pose=True).success
+    assert not compare_patterns(skirt, replace(skirt, stitches=stitches), any_pose=True).success
 
 
 def test_seam_lengths_are_compared_between_the_same_seams():
     """Shoulders and side seams of a sleeveless top are alike but for their lengths."""
     top, _ = read_pattern(example_path("cutout_top"))
-    assert judge(top, decode(encode(top))).seam_length_deviation < 0.2
+    assert compare_patterns(top, decode(encode(top))).seam_length_deviation < 0.2
 
 
 @pytest.fixture
@@ -238,8 +238,8 @@ def test_an_item_that_hangs_or_dies_costs_only_itself():
     assert {k: v for k, v in found.items() if isinstance(v, str)} == {0: "A", 1: "B", 4: "C"}
     # Two workers, and one in the place of each that was lost.
     assert sum(outcome.is_first for outcome in outcomes) in (3, 4)
-    assert found[2] == Lost("took longer than 2 s and was given up")
-    assert found[3] == Lost("the process died (exit code 3)")
+    assert found[2] == TimedOut("took longer than 2 s and was given up")
+    assert found[3] == TimedOut("the process died (exit code 3)")
 
 
 @pytest.mark.slow

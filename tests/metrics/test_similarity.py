@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import garmentimage as gi
-from garmentimage.compare import validity
+from garmentimage.compare import pattern_faults
 from garmentimage.compare.matching import POSES
 from garmentimage.compare.pairing import posed_panel
 from garmentimage.draft.sampling import sample
@@ -168,7 +168,7 @@ def test_a_panel_that_stands_nowhere_is_nothing_found():
     truth = drawn("tee", 0)
     lost = replace(truth.panels[0], translation=(np.nan, 0.0, 0.0))
     found = replace(truth, panels=(lost, *truth.panels[1:]))
-    assert likeness(truth, found).panel_iou == 0 and "not finite" in validity(found)[0]
+    assert likeness(truth, found).panel_iou == 0 and "not finite" in pattern_faults(found)[0]
 
 
 def test_a_truth_that_is_none_is_refused():

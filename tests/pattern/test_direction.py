@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from garmentimage import draft_pattern
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.pattern.direction import outward, turned_round
 from garmentimage.pattern.files.spec import read_spec
 from garmentimage.pattern.files.spec_writer import pattern_to_spec
@@ -20,7 +20,7 @@ def test_any_panels_that_run_clockwise_give_the_same_garment(kind, data):
     names = data.draw(st.sets(st.sampled_from([p.name for p in pattern.panels]), min_size=1))
     clockwise = turned_round(pattern, frozenset(names))
     mended, found = outward(clockwise)
-    assert judge(pattern, mended).success
+    assert compare_patterns(pattern, mended).success
     assert [f.code for f in found] == ["clockwise"]
 
 
@@ -33,7 +33,7 @@ def test_a_good_pattern_stays_as_it_is(kind):
 def test_a_file_is_read_so_and_says_so():
     pattern = draft_pattern("tee")
     read, found = read_spec(pattern_to_spec(turned_round(pattern, frozenset(["back"]))))
-    assert judge(pattern, read).success
+    assert compare_patterns(pattern, read).success
     assert any("'back': ran clockwise" in str(f) for f in found)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.pattern.dissolve import without_stubs
@@ -29,7 +29,7 @@ def test_without_its_stubs_a_garment_is_what_it_was(garment, data):
     assert not stubs(back)
     assert [len(p.edges) for p in back.panels] == [len(p.edges) for p in garment.panels]
     assert back.stitches == garment.stitches
-    assert judge(garment, back).success
+    assert compare_patterns(garment, back).success
 
 
 def test_notches_stay_on_their_edges():

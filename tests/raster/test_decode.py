@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from shapely.geometry import Polygon
 
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.errors import DecodeError, GarmentImageError, ImageError
 from garmentimage.examples import example_path
 from garmentimage.geometry.polygons import centroid
@@ -292,7 +292,7 @@ def test_weight_of_the_paper_bends_panels_and_the_tiny_one_does_not():
 @settings(max_examples=12)
 @given(garments())
 def test_decoding_undoes_encoding(garment):
-    result = judge(garment, decode(encode(garment)))
+    result = compare_patterns(garment, decode(encode(garment)))
     assert result.success, result.reasons
 
 
@@ -302,7 +302,7 @@ def test_geometry_and_stitches_need_no_marks(garment):
     image = encode(garment)
     if any(mark.split_of for mark in image.marks):
         return
-    result = judge(garment, decode(image.without_marks()), any_pose=True)
+    result = compare_patterns(garment, decode(image.without_marks()), any_pose=True)
     assert result.success, result.reasons
 
 

@@ -15,7 +15,7 @@ from garmentimage import (
     save_image,
     save_pattern,
 )
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.examples import example_path
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch, loop_from_curves
@@ -30,7 +30,7 @@ slowly = settings(max_examples=15)
 @slowly
 @given(garments())
 def test_decoding_undoes_encoding(garment):
-    result = judge(garment, decode(encode(garment)))
+    result = compare_patterns(garment, decode(encode(garment)))
     assert result.success, result.reasons
 
 
@@ -38,7 +38,7 @@ def test_decoding_undoes_encoding(garment):
 @given(garments())
 def test_decoding_from_the_channels_alone_finds_the_same_garment_in_some_pose(garment):
     image = encode(garment).without_marks()
-    result = judge(garment, decode(image), any_pose=True)
+    result = compare_patterns(garment, decode(image), any_pose=True)
     assert result.success, result.reasons
 
 
@@ -238,4 +238,4 @@ def test_a_hole_sewn_up_by_itself_comes_back_as_a_slit():
         ),
     )
     for grid in (16, 32):
-        assert judge(fish_eye, decode(encode(fish_eye, grid))).success
+        assert compare_patterns(fish_eye, decode(encode(fish_eye, grid))).success

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from garmentimage.compare import stitch_graph
-from garmentimage.compare.topology import topology_word
+from garmentimage.compare.topology import topology_hash
 from garmentimage.draft.kinds import draft_pattern
 from garmentimage.errors import DecodeError
 from garmentimage.raster.decode.decoder import decode
 from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.image import LEFT, EdgeType
-from garmentimage.raster.repair.walls import without_flaps
+from garmentimage.raster.repair.walls import remove_dangling_cuts
 
 DRESS = encode(draft_pattern("one-panel-dress"), 16)
 
@@ -33,9 +33,9 @@ def test_a_cut_without_opening_is_left_out(kind, length):
     image = with_flap(kind, length)
     with pytest.raises(DecodeError, match="crosses itself"):
         decode(image, repair="none")
-    word = topology_word(stitch_graph(decode(image)))
-    assert word == topology_word(stitch_graph(decode(DRESS)))
-    mended, count = without_flaps(image)
+    word = topology_hash(stitch_graph(decode(image)))
+    assert word == topology_hash(stitch_graph(decode(DRESS)))
+    mended, count = remove_dangling_cuts(image)
     assert mended.same_channels(DRESS)
     assert count >= length
 
@@ -43,4 +43,4 @@ def test_a_cut_without_opening_is_left_out(kind, length):
 def test_images_without_such_cuts_stay():
     for kind in ("one-panel-jumpsuit", "top-pants", "shirt", "hoodie"):
         image = encode(draft_pattern(kind), 16)
-        assert without_flaps(image) == (image, 0)
+        assert remove_dangling_cuts(image) == (image, 0)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from garmentimage import decode, encode, load_pattern
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.draft.kinds import draft_pattern, kinds
 from garmentimage.examples import example_names, example_path
 from garmentimage.geometry.curves import Bezier, Line
@@ -37,8 +37,8 @@ def test_a_doubled_corner_is_no_corner(garment, data):
     changed = doubled(garment, data.draw(sides(garment)), size)
     image = encode(changed)
     for decoded in (decode(image), decode(image.without_marks())):
-        assert judge(changed, decoded).reasons == ()
-        assert judge(garment, decoded).reasons == ()
+        assert compare_patterns(changed, decoded).reasons == ()
+        assert compare_patterns(garment, decoded).reasons == ()
 
 
 @slowly
@@ -46,8 +46,8 @@ def test_a_doubled_corner_is_no_corner(garment, data):
 def test_a_traced_garment_is_the_garment(garment, step):
     changed = traced(garment, step)
     image = encode(changed)
-    assert judge(changed, decode(image)).reasons == ()
-    assert judge(garment, decode(image.without_marks())).reasons == ()
+    assert compare_patterns(changed, decode(image)).reasons == ()
+    assert compare_patterns(garment, decode(image.without_marks())).reasons == ()
 
 
 def test_a_traced_garment_comes_back_with_its_own_vertices():
@@ -71,7 +71,7 @@ def test_divisions_of_a_traced_garment_with_other_marks_are_left_out():
     """Marks may come from another image (`from_channels(like=...)`): they divide what is there."""
     image = encode(traced(draft_pattern("tee"), 1.0))
     other = replace(encode(draft_pattern("skirt")), marks=image.marks)
-    assert judge(draft_pattern("skirt"), decode(other.without_marks())).reasons == ()
+    assert compare_patterns(draft_pattern("skirt"), decode(other.without_marks())).reasons == ()
     assert len(decode(other).panels) == 4
 
 
@@ -171,4 +171,4 @@ def test_smooth_bezier_parts_are_joined_like_chords():
     skirt = draft_pattern("skirt")
     changed = recut(skirt, cut)
     assert any(isinstance(c, Bezier) for p in changed.panels for c in p.curves)
-    assert judge(changed, decode(encode(changed))).reasons == ()
+    assert compare_patterns(changed, decode(encode(changed))).reasons == ()

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from garmentimage import EncodeError, GarmentImageError, decode, encode, load_pattern
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.compare.likely import surely_same
 from garmentimage.compare.stitch_graphs import stitch_graph
 from garmentimage.draft.kinds import draft_pattern
@@ -72,7 +72,7 @@ def test_what_is_surely_the_same_is_the_same_to_the_judge(garment, scale, number
     name = garment.panels[number % len(garment.panels)].name
     other = transformed_panel(garment, name, np.eye(2) * scale)
     if surely_same(garment, other, (stitch_graph(garment), stitch_graph(other))):
-        assert judge(garment, other).success
+        assert compare_patterns(garment, other).success
 
 
 @slowly
@@ -161,7 +161,7 @@ def test_a_bend_is_bowed_by_what_its_chords_lose(chords):
 @pytest.mark.parametrize("grid", [8, 16])
 def test_a_wave_comes_back_as_long_as_it_is_however_few_grid_edges_it_has(grid):
     garment = waves(0)
-    assert judge(garment, decode(encode(garment, grid=grid))).success
+    assert compare_patterns(garment, decode(encode(garment, grid=grid))).success
 
 
 @pytest.mark.parametrize("degrees", [120, 270, 350, 356])
@@ -172,8 +172,8 @@ def test_a_ring_comes_back_or_is_refused(degrees, sewn):
         image = encode(garment)
     except EncodeError:
         return
-    assert judge(garment, decode(image)).success
-    assert judge(garment, decode(image.without_marks()), any_pose=True).success
+    assert compare_patterns(garment, decode(image)).success
+    assert compare_patterns(garment, decode(image.without_marks()), any_pose=True).success
 
 
 def test_a_tube_of_one_panel_is_told_to_be_cut():
@@ -243,8 +243,8 @@ def test_a_garment_drawn_inside_out_comes_back_right_side_out(garment):
     assert turned_round(turned, names).stitches == garment.stitches
     image, plain = encode(turned), encode(garment)
     assert (image.inside == plain.inside).all() and (image.edge_type == plain.edge_type).all()
-    assert judge(garment, decode(image)).success
-    assert not judge(turned, decode(image)).success
+    assert compare_patterns(garment, decode(image)).success
+    assert not compare_patterns(turned, decode(image)).success
 
 
 def _faults(kind, target):
@@ -265,4 +265,4 @@ def test_faults_by_others_come_back_or_are_refused(kind, tmp_path):
         except GarmentImageError as error:
             assert "panel" in str(error), path.name
             continue
-        assert judge(garment, decode(image)).success, path.name
+        assert compare_patterns(garment, decode(image)).success, path.name

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from garmentimage import decode, encode
-from garmentimage.compare.judging import judge
+from garmentimage.compare.comparison import compare_patterns
 from garmentimage.geometry.curves import Arc, Line
 from garmentimage.geometry.polygons import polyline_length
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
@@ -108,5 +108,5 @@ def test_a_circle_skirt_of_any_sweep_is_clean_at_the_first_step_and_comes_back(s
     skirt = circle_skirt(sweep, length)
     layout = next(layouts(build_seam_graph(place(skirt))))
     assert (layout.stage, layout.problems) == (FIRST, ())
-    outcome = judge(skirt, decode(encode(skirt, 32)))
+    outcome = compare_patterns(skirt, decode(encode(skirt, 32)))
     assert outcome.success, outcome.reasons

@@ -1,6 +1,6 @@
-from .judging import (
+from .comparison import (
     RoundtripResult as RoundtripResult,
-    judge as judge,
+    compare_patterns as compare_patterns,
 )
 from .likely import (
     surely_same as surely_same,
@@ -31,12 +31,12 @@ from .stitch_graphs import (
     stitch_graph as stitch_graph,
 )
 from .topology import (
-    topology_word as topology_word,
+    topology_hash as topology_hash,
 )
 from .validation import (
     drawing_faults as drawing_faults,
+    pattern_faults as pattern_faults,
     ratio_faults as ratio_faults,
     stitch_faults as stitch_faults,
     structure_faults as structure_faults,
-    validity as validity,
 )

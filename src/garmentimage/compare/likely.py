@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from garmentimage.compare.judging import SUCCESS_IOU
+from garmentimage.compare.comparison import SUCCESS_IOU
 from garmentimage.compare.stitch_graphs import StitchGraph, match_graphs
 from garmentimage.compare.validation import stitch_faults
 from garmentimage.geometry import centroid, signed_area
@@ -24,9 +24,9 @@ COARSE = 2
 def surely_same(
     original: Pattern, decoded: Pattern, graphs: tuple[StitchGraph, StitchGraph]
 ) -> bool:
-    """Whether `judge` would say that `decoded` is `original`, each panel under its own name.
+    """Whether `compare_patterns` would succeed, each panel paired under its own name.
 
-    False says nothing: only `judge` knows then.
+    False is inconclusive: only `compare_patterns` decides then.
 
     Args:
         original: the pattern that should be.

@@ -24,7 +24,7 @@ CHORDS_PER_ROOT_CM = 8.0
 
 Ruffles are strips of a few cm and a few metres: coarser chords would be most of their IoU."""
 
-MOST_CHORDS = 1000
+MAX_CHORDS = 1000
 
 BOUNDARY_POINTS = 128
 """Points on each boundary when boundaries are compared."""
@@ -32,7 +32,7 @@ BOUNDARY_POINTS = 128
 STARTS_BETWEEN = 8
 """Starts that are tried between two of these points."""
 
-IOU_FLOOR = 0.3
+MIN_IOU = 0.3
 """While matching, pairs whose areas alone forbid this much IoU count as 0 (saves the work)."""
 
 PLACEMENT_WEIGHT = 0.05
@@ -142,7 +142,7 @@ def panel_iou(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
 
 
 def iou_matrix(
-    a: Sequence[Panel], b: Sequence[Panel], *, any_pose: bool = False, floor: float = IOU_FLOOR
+    a: Sequence[Panel], b: Sequence[Panel], *, any_pose: bool = False, floor: float = MIN_IOU
 ) -> Float[np.ndarray, "a b"]:
     """Centroid-aligned IoU of every panel of `a` with every panel of `b`.
 
@@ -157,7 +157,7 @@ def iou_matrix(
 
 
 def iou_by_pose(
-    a: Sequence[Panel], b: Sequence[Panel], poses: Sequence[int], *, floor: float = IOU_FLOOR
+    a: Sequence[Panel], b: Sequence[Panel], poses: Sequence[int], *, floor: float = MIN_IOU
 ) -> Float[np.ndarray, "pose a b"]:
     """As `iou_matrix`, for each of the given `POSES` of the panels of `b`."""
     import shapely
@@ -205,7 +205,7 @@ def loop_polygon(loop: Loop) -> Float[np.ndarray, "n 2"]:
 def _chords(curve: Curve) -> int:
     if curve.is_straight:
         return 1
-    return int(np.clip(np.ceil(CHORDS_PER_ROOT_CM * np.sqrt(curve.length)), 2, MOST_CHORDS))
+    return int(np.clip(np.ceil(CHORDS_PER_ROOT_CM * np.sqrt(curve.length)), 2, MAX_CHORDS))
 
 
 def boundary_distance(a: Panel, b: Panel, *, any_pose: bool = False) -> float:

@@ -39,7 +39,7 @@ PLACE_TOL_SHARE = 0.1
 PLACE_TOL_CM = 2.0
 """... or within this much [cm], whichever is more."""
 
-SEARCH_LIMIT = 500_000
+MAX_SEARCH_STEPS = 500_000
 """Seam sides visited before the search for a panel assignment gives up."""
 
 
@@ -130,7 +130,7 @@ def places_agree(a: Point, b: Point, size: float) -> bool:
 def stitch_graph(pattern: Pattern) -> StitchGraph:
     """The stitch graph of a pattern.
 
-    The pattern's stitches must name existing edges, each at most once (see `validity`).
+    The pattern's stitches must name existing edges, each at most once (see `pattern_faults`).
     """
     outlines = {p.name: p.outline.fine_polygon for p in pattern.panels}
     centres = {name: centroid(outline) for name, outline in outlines.items()}
@@ -187,7 +187,7 @@ def match_graphs(
 
     Returns:
         The first way found in the order of `candidates`, or None where there is none (or none
-        within `SEARCH_LIMIT`).
+        within `MAX_SEARCH_STEPS`).
     """
     if len(a.sides) != len(b.sides) or len(a.panels) != len(b.panels):
         return None
@@ -292,7 +292,7 @@ class _Laying:
                     return None
                 continue
             self.steps += 1
-            if self.steps > SEARCH_LIMIT:
+            if self.steps > MAX_SEARCH_STEPS:
                 return None
             x, y = self.a.sides[k], self.b.sides[m]
             if not self._alike(x, y):

@@ -9,7 +9,7 @@ ROUNDS = 4
 """How far from a panel the word sees; no garment has longer chains of panels that look alike."""
 
 
-def topology_word(graph: StitchGraph) -> str:
+def topology_hash(graph: StitchGraph) -> str:
     """A hash of the panels and of how many seams and darts join which.
 
     Names, sizes and places do not matter. It is a Weisfeiler-Leman hash: garments that are sewn

@@ -9,22 +9,22 @@ from garmentimage.compare.matching import loop_polygon
 from garmentimage.compare.stitch_graphs import StitchGraph, stitch_graph
 from garmentimage.pattern import Panel, Pattern, Side
 
-SEAM_RATIO_LIMIT = 4.0
+MAX_SEAM_RATIO = 4.0
 """The most that one side of a seam may be longer than the other; real gathers reach 3.99."""
 
 
-def validity(pattern: Pattern) -> list[str]:
+def pattern_faults(pattern: Pattern) -> list[str]:
     """Why a pattern cannot be cut and sewn; empty where it can.
 
     Loops are closed and do not cross themselves, holes lie inside their panel and apart, stitches
-    name edges that exist, no edge is sewn twice, and no seam gathers more than `SEAM_RATIO_LIMIT`
+    name edges that exist, no edge is sewn twice, and no seam gathers more than `MAX_SEAM_RATIO`
     (looked at where all else is well).
     """
     return structure_faults(pattern) or ratio_faults(stitch_graph(pattern))
 
 
 def structure_faults(pattern: Pattern) -> list[str]:
-    """The reasons of `validity` that do not depend on lengths."""
+    """The reasons of `pattern_faults` that do not depend on lengths."""
     panels = [reason for panel in pattern.panels for reason in panel_faults(panel)]
     return panels + stitch_faults(pattern)
 
@@ -96,7 +96,7 @@ def ratio_faults(graph: StitchGraph) -> list[str]:
     reasons = []
     for seam in graph.seams:
         short, long = sorted((graph.sides[k] for k in seam), key=lambda s: s.length)
-        if long.length > SEAM_RATIO_LIMIT * short.length:
+        if long.length > MAX_SEAM_RATIO * short.length:
             reasons.append(
                 f"seam of panel {long.panel!r}, edges {list(long.edges)}, is {long.length:.1f} cm "
                 f"long, its other side on {short.panel!r} {short.length:.1f} cm"

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.compare import validity
+from garmentimage.compare import pattern_faults
 from garmentimage.errors import DecodeError
 from garmentimage.latent import LatentSpace
 from garmentimage.networks import DecodedGarment, Latent, decoded_garment
@@ -145,4 +145,4 @@ class VectorCodec:
             pattern = self.words.pattern(numbers[0].numpy(), there[0].numpy() > 0)
         except DecodeError as error:
             return DecodedGarment(z, None, None, None, (str(error),))
-        return DecodedGarment(z, None, None, pattern, tuple(validity(pattern)))
+        return DecodedGarment(z, None, None, pattern, tuple(pattern_faults(pattern)))

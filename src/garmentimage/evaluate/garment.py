@@ -9,10 +9,10 @@ from garmentimage.compare import (
     loop_polygon,
     match_graphs,
     match_panels,
+    pattern_faults,
     stitch_graph,
     structure_faults,
-    topology_word,
-    validity,
+    topology_hash,
 )
 from garmentimage.drape import drape_pattern
 from garmentimage.errors import GarmentImageError
@@ -33,7 +33,7 @@ class MeasuredGarment:
     fault: str
     """Why it cannot be cut, sewn or worn; empty where it can."""
     topology: str
-    """See `topology_word`; empty where its panels or stitches are at fault."""
+    """See `topology_hash`; empty where its panels or stitches are at fault."""
     silhouette: Bool[np.ndarray, "row col"] | None
     """Where the worn garment is, from the front; None where it cannot be worn."""
 
@@ -50,8 +50,8 @@ def measure_garment(
     if pattern is None:
         return MeasuredGarment(None, fault or "no garment", "", None)
     faults = structure_faults(pattern)
-    topology = "" if faults else topology_word(stitch_graph(pattern))
-    faults = faults or validity(pattern)
+    topology = "" if faults else topology_hash(stitch_graph(pattern))
+    faults = faults or pattern_faults(pattern)
     if faults or not worn:
         return MeasuredGarment(pattern, faults[0] if faults else "", topology, None)
     try:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 import numpy as np
 from jaxtyping import Float32, UInt8
 
-from garmentimage.compare import validity
+from garmentimage.compare import pattern_faults
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.networks import decoded_garment
 from garmentimage.pattern import Pattern
@@ -194,7 +194,7 @@ def _from_channels(
 
 
 def _validated(pattern: Pattern) -> PredictedPattern:
-    faults = validity(pattern)
+    faults = pattern_faults(pattern)
     return PredictedPattern(pattern, faults[0] if faults else "", {})
 
 

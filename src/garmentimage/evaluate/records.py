@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from garmentimage.errors import LearnError
-from garmentimage.system import Lost, map_in_processes, shown_path, write_atomically
+from garmentimage.system import TimedOut, map_in_processes, shown_path, write_atomically
 
 RUN_FILE = "run.json"
 
@@ -124,7 +124,7 @@ class Records:
         progress(len(found), len(items))
         for outcome in map_in_processes(work, missing, workers=workers, time_limit=time_limit):
             item, made = missing[outcome.number], outcome.result
-            if isinstance(made, Lost):
+            if isinstance(made, TimedOut):
                 found[item] = {"lost": made.reason}
             else:
                 found[item] = made

@@ -1,10 +1,10 @@
 from ._kernels_heap import (
-    drop_first as drop_first,
-    push as push,
+    heap_pop as heap_pop,
+    heap_push as heap_push,
 )
 from ._kernels_union_find import (
-    merge as merge,
-    root_of as root_of,
+    find_root as find_root,
+    union as union,
 )
 from .components import (
     connected_components as connected_components,

@@ -5,7 +5,7 @@
 import numpy as np
 from numba import njit
 
-_PAIR_LIMIT = 256
+MAX_PAIRS = 256
 _FOLD_TOL = 1e-9
 
 
@@ -22,7 +22,7 @@ def find_touching_sides(points, sizes):
         for axis in range(2):
             low[i, axis] = min(points[i, axis], points[onward[i], axis])
             high[i, axis] = max(points[i, axis], points[onward[i], axis])
-    pairs = np.empty((_PAIR_LIMIT, 2), np.int64)
+    pairs = np.empty((MAX_PAIRS, 2), np.int64)
     found = 0
     for i in range(count):
         ax, ay = points[i]
@@ -47,6 +47,6 @@ def find_touching_sides(points, sizes):
             if touching:
                 pairs[found] = i, j
                 found += 1
-                if found == _PAIR_LIMIT:
+                if found == MAX_PAIRS:
                     return pairs
     return pairs[:found].copy()

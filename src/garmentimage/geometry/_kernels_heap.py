@@ -10,7 +10,7 @@ from numba import njit
 
 
 @njit(cache=True)
-def push(keys, items, size, key, item):
+def heap_push(keys, items, size, key, item):
     """Add an item; the new size. The arrays must have room for it."""
     i = size
     keys[i], items[i] = key, item
@@ -25,7 +25,7 @@ def push(keys, items, size, key, item):
 
 
 @njit(cache=True)
-def drop_first(keys, items, size):
+def heap_pop(keys, items, size):
     """Take the item with the smallest key (at 0) away; the new size."""
     size -= 1
     keys[0], items[0] = keys[size], items[size]

@@ -10,7 +10,7 @@ from numba import njit
 
 
 @njit(cache=True)
-def root_of(parent, i):
+def find_root(parent, i):
     """The root of the class of `i`; shortens the way there."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -19,7 +19,7 @@ def root_of(parent, i):
 
 
 @njit(cache=True)
-def merge(parent, i, j):
+def union(parent, i, j):
     """Make the classes of `i` and `j` one."""
-    a, b = root_of(parent, i), root_of(parent, j)
+    a, b = find_root(parent, i), find_root(parent, j)
     parent[max(a, b)] = min(a, b)

@@ -16,7 +16,7 @@ from jaxtyping import Float32
 
 from garmentimage.compare import (
     match_panels,
-    validity,
+    pattern_faults,
 )
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.networks import (
@@ -193,7 +193,9 @@ class LatentSpace:
             pattern = source if isinstance(source, Pattern) else decode(image)
         except DecodeError as error:
             raise LearnError(f"no garment can be read from the image: {error}") from None
-        return DecodedGarment(self.encode(image), image, None, pattern, tuple(validity(pattern)))
+        return DecodedGarment(
+            self.encode(image), image, None, pattern, tuple(pattern_faults(pattern))
+        )
 
     def out_of_distribution(self, given: DecodedGarment) -> str:
         """How a garment comes back otherwise than it was; empty where it does not.

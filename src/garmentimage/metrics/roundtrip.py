@@ -1,4 +1,4 @@
-"""The round trip: a pattern through an image and back, judged by `compare.judge`.
+"""The round trip: a pattern through an image and back, judged by `compare.compare_patterns`.
 
 `roundtrip_file` takes a pattern file all the way, through a saved image and a saved pattern, twice:
 with the marks of the image (names and own frames of panels, which panels were cut in two) and with
@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from garmentimage.compare import RoundtripResult, judge
+from garmentimage.compare import RoundtripResult, compare_patterns
 from garmentimage.errors import GarmentImageError
 from garmentimage.pattern import Pattern
-from garmentimage.system import Lost, Outcome, map_in_processes
+from garmentimage.system import Outcome, TimedOut, map_in_processes
 
 if TYPE_CHECKING:
     from garmentimage.raster import GarmentImage
@@ -146,7 +146,7 @@ def _reconstruct(original: Pattern, saved: Path, folder: Path, *, keep_marks: bo
         with clock.step("reload"):
             decoded, _ = read_pattern(folder / "pattern.json")
         with clock.step("judge"):
-            result = judge(original, decoded, any_pose=not keep_marks)
+            result = compare_patterns(original, decoded, any_pose=not keep_marks)
         return RoundTrip(result, times=clock.times)
     return failed[0]
 
@@ -214,9 +214,9 @@ def roundtrip_many(
         outcomes = map_in_processes(work, paths, workers=count, time_limit=time_limit)
     for outcome in outcomes:
         report = outcome.result
-        if isinstance(report, Lost):
+        if isinstance(report, TimedOut):
             path = Path(paths[outcome.number])
-            trip = RoundTrip(stage="run", error="Lost", message=report.reason)
+            trip = RoundTrip(stage="run", error="TimedOut", message=report.reason)
             report = FileReport(_short_name(path), garment_kind(path), trip, trip)
         report = replace(report, is_first=outcome.is_first)
         reports[outcome.number] = report

@@ -85,7 +85,7 @@ class Likeness:
     topology: bool
     """The same panels sewn together in the same order; lengths may differ."""
     valid: bool
-    """Can be cut and sewn, see `validity`."""
+    """Can be cut and sewn, see `pattern_faults`."""
 
     def figures(self) -> dict[str, float | None]:
         """All of it as numbers from 0 to 1, centimetres and degrees, by name."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.compare import stitch_graph, structure_faults, topology_word, validity
+from garmentimage.compare import pattern_faults, stitch_graph, structure_faults, topology_hash
 from garmentimage.errors import GarmentImageError
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage
@@ -44,9 +44,9 @@ def decoded_garment(
         pattern = decode(image, repair=repair_level)
     except GarmentImageError as error:
         return DecodedGarment(z, image, repairs, None, (str(error),))
-    return DecodedGarment(z, image, repairs, pattern, tuple(validity(pattern)))
+    return DecodedGarment(z, image, repairs, pattern, tuple(pattern_faults(pattern)))
 
 
 def topology_or_empty(pattern: Pattern) -> str:
-    """See `topology_word`; empty where panels or stitches are at fault."""
-    return "" if structure_faults(pattern) else topology_word(stitch_graph(pattern))
+    """See `topology_hash`; empty where panels or stitches are at fault."""
+    return "" if structure_faults(pattern) else topology_hash(stitch_graph(pattern))

@@ -5,7 +5,7 @@
 import numpy as np
 from numba import njit
 
-from garmentimage.geometry import merge, root_of
+from garmentimage.geometry import find_root, union
 from garmentimage.raster.image import EdgeType
 
 OUTSIDE = -1
@@ -71,12 +71,12 @@ def merge_corners(mask, edge_type, corners):
         row, col = cells[i]
         left = index[row, col - 1] if col > 0 else -1
         if left >= 0 and edge_type[1, row, col] == _NON_BOUNDARY:
-            merge(parent, 4 * i, 4 * left + 1)
-            merge(parent, 4 * i + 3, 4 * left + 2)
+            union(parent, 4 * i, 4 * left + 1)
+            union(parent, 4 * i + 3, 4 * left + 2)
         below = index[row - 1, col] if row > 0 else -1
         if below >= 0 and edge_type[0, row, col] == _NON_BOUNDARY:
-            merge(parent, 4 * i, 4 * below + 3)
-            merge(parent, 4 * i + 1, 4 * below + 2)
+            union(parent, 4 * i, 4 * below + 3)
+            union(parent, 4 * i + 1, 4 * below + 2)
     # A root is the smallest corner of its class, so vertices are numbered in raster order too.
     vertex = np.full(4 * count, -1, np.int64)
     corner_ids = np.empty((count, 4), np.int64)
@@ -84,7 +84,7 @@ def merge_corners(mask, edge_type, corners):
     vertex_count = 0
     for i in range(count):
         for c in range(4):
-            corner = root_of(parent, 4 * i + c)
+            corner = find_root(parent, 4 * i + c)
             if vertex[corner] < 0:
                 vertex[corner] = vertex_count
                 lattice[vertex_count, 0] = cells[i, 1] + corners[c, 0]

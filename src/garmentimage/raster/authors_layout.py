@@ -87,7 +87,7 @@ def channels_from_authors(
     return join_channels(block[:, 0], types, deformation)
 
 
-def order_of(array: np.ndarray) -> ChannelOrder:
+def detect_channel_order(array: np.ndarray) -> ChannelOrder:
     """Which order the channels of `array` are in, told by where the edge types stand.
 
     In each order two groups of four channels are the shares of the four types, which add up to

@@ -18,24 +18,24 @@ CHANNEL_KINDS: tuple[ChannelKind, ...] = get_args(ChannelKind)
 
 SHARE_SLACK = 0.02
 """Shares may lie this far outside 0..1."""
-FEW = 0.01
+MAX_OUTLIERS = 0.01
 """Share of the numbers that may be outliers."""
-CHANNEL_SLACK, CHANNEL_FEW = 0.5, 0.05
+CHANNEL_SLACK, MAX_CHANNEL_OUTLIERS = 0.5, 0.05
 """Channels lie within 0..1 give or take the first, but for the second share of them."""
-SUM_MISS = 0.5
+MAX_SUM_ERROR = 0.5
 """Of channels, the sum of a grid edge's four types misses 1 by less, in half of all places or more;
 nothing draws that of logits to 1."""
 
 
-def kind_of(
+def detect_channel_kind(
     flags: Float[np.ndarray, "layer row col"], types: Float[np.ndarray, "layer 2 4 row col"]
 ) -> ChannelKind:
     """What numbers are, judged by all of them together, so that an outlier changes nothing."""
-    if is_plain(flags, types):
+    if is_binary(flags, types):
         return "channels"
     numbers = np.concatenate([flags.ravel(), types.ravel()])
     beyond = np.maximum(-numbers, numbers - 1)
-    if (beyond > SHARE_SLACK).mean() <= FEW:
+    if (beyond > SHARE_SLACK).mean() <= MAX_OUTLIERS:
         return "shares"
     return "channels" if are_channels(types) else "logits"
 
@@ -43,11 +43,11 @@ def kind_of(
 def are_channels(types: Float[np.ndarray, "layer 2 4 row col"]) -> bool:
     """Whether numbers of edge types are one-hot but for the errors of a network."""
     beyond = np.maximum(-types, types - 1)
-    is_near_one = np.median(np.abs(types.sum(axis=2) - 1)) < SUM_MISS
-    return bool(is_near_one and (beyond > CHANNEL_SLACK).mean() <= CHANNEL_FEW)
+    is_near_one = np.median(np.abs(types.sum(axis=2) - 1)) < MAX_SUM_ERROR
+    return bool(is_near_one and (beyond > CHANNEL_SLACK).mean() <= MAX_CHANNEL_OUTLIERS)
 
 
-def is_plain(flags: np.ndarray, types: np.ndarray) -> bool:
+def is_binary(flags: np.ndarray, types: np.ndarray) -> bool:
     """Whether all numbers are 0 or 1, so that there is nothing to guess."""
     return all(bool(((each == 0) | (each == 1)).all()) for each in (flags, types))
 

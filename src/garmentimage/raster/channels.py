@@ -22,7 +22,7 @@ CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 2 * VECTOR_COUNT
 CHANNEL_CONTRACT = "garmentimage-1"
 """What channels mean: their order and units, and the frame. Networks are made for one of these."""
 
-GRID_LIMITS = (4, 256)
+MIN_GRID, MAX_GRID = 4, 256
 """Smallest and largest grid that files may have."""
 MAX_LAYERS = 16
 
@@ -103,8 +103,8 @@ def check_channels(array: Any) -> Float64[np.ndarray, "channel row col"]:
     count, grid = array.shape[0], array.shape[1]
     if count == 0 or count % CHANNELS_PER_LAYER or count > MAX_LAYERS * CHANNELS_PER_LAYER:
         raise ImageError(f"{count} channels; each layer has {CHANNELS_PER_LAYER} (34 for two)")
-    if not GRID_LIMITS[0] <= grid <= GRID_LIMITS[1]:
-        raise ImageError(f"a grid of {grid} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")
+    if not MIN_GRID <= grid <= MAX_GRID:
+        raise ImageError(f"a grid of {grid} cells; wanted {MIN_GRID} to {MAX_GRID}")
     if not (np.abs(array) <= np.finfo(np.float32).max).all():
         raise ImageError("channels hold values that are not finite (NaN, infinity or over 3e38)")
     checked: Float64[np.ndarray, "channel row col"] = array

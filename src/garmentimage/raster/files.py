@@ -17,11 +17,11 @@ from garmentimage.errors import ImageError, OutputError, check_type
 from garmentimage.raster.authors_layout import (
     ChannelOrder,
     channels_from_authors,
-    order_of,
+    detect_channel_order,
     to_authors,
 )
 from garmentimage.raster.channel_kind import ChannelKind
-from garmentimage.raster.channels import GRID_LIMITS, MAX_LAYERS, check_channels
+from garmentimage.raster.channels import MAX_GRID, MAX_LAYERS, MIN_GRID, check_channels
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import (
     EdgeType,
@@ -45,7 +45,7 @@ FORMAT = "garmentimage"
 VERSION = 1
 MAX_FILE_BYTES = 160 * 2**20
 """Largest file that is read: 16 layers of 256 x 256 cells in float64 fit."""
-META_LIMIT = 4 * 2**20
+MAX_META_BYTES = 4 * 2**20
 """Largest `meta` [bytes]."""
 _ARRAYS = ("meta", "inside", "edge_type", "deformation", "columns", "rows")
 
@@ -130,7 +130,7 @@ def _read(path: str | Path) -> bytes:
 def _channels(data: bytes, order: ChannelOrder | str | None) -> np.ndarray:
     array = check_channels(parse_npy(data))
     try:
-        chosen = order_of(array) if order is None else ChannelOrder(order)
+        chosen = detect_channel_order(array) if order is None else ChannelOrder(order)
     except ValueError as error:  # ImageErrors are ValueErrors, too
         raise ImageError(str(error)) from None
     if chosen is ChannelOrder.OURS:
@@ -204,13 +204,13 @@ def _size(inside: np.ndarray) -> tuple[int, int]:
     shape = inside.shape
     if len(shape) != 3 or not 0 < shape[0] <= MAX_LAYERS:
         raise ImageError(f"array 'inside' has shape {shape}, wanted (layers, N, N)")
-    if not GRID_LIMITS[0] <= shape[1] <= GRID_LIMITS[1]:
-        raise ImageError(f"a grid of {shape[1]} cells; wanted {GRID_LIMITS[0]} to {GRID_LIMITS[1]}")
+    if not MIN_GRID <= shape[1] <= MAX_GRID:
+        raise ImageError(f"a grid of {shape[1]} cells; wanted {MIN_GRID} to {MAX_GRID}")
     return shape[0], shape[1]
 
 
 def _meta(array: np.ndarray) -> dict[str, Any]:
-    if array.dtype != np.uint8 or array.ndim != 1 or array.size > META_LIMIT:
+    if array.dtype != np.uint8 or array.ndim != 1 or array.size > MAX_META_BYTES:
         raise ImageError("array 'meta' is not a short text")
     try:
         meta = json.loads(array.tobytes().decode("utf-8"))

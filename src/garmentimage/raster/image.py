@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float32, Int8
 
 from garmentimage.errors import ImageError
 from garmentimage.pattern import Point, Vector
-from garmentimage.raster.channel_kind import ChannelKind, check_kind, kind_of
+from garmentimage.raster.channel_kind import ChannelKind, check_kind, detect_channel_kind
 from garmentimage.raster.channels import check_channels, join_channels, one_hot, split_channels
 from garmentimage.raster.frame import BodyFrame
 
@@ -162,7 +162,7 @@ class GarmentImage:
         """
         flags, types, vectors = split_channels(check_channels(array))
         layers, grid = len(flags), flags.shape[-1]
-        inside = flags > (0.0 if known_kind(flags, types, kind) == "logits" else 0.5)
+        inside = flags > (0.0 if resolve_channel_kind(flags, types, kind) == "logits" else 0.5)
         deformation = np.where(inside[:, None, None], vectors, 0.0).astype(np.float32)
         if like is not None and (like.grid, like.layers) != (grid, layers):
             raise ImageError(
@@ -187,14 +187,16 @@ def default_layer_names(layers: int) -> tuple[str, ...]:
     )
 
 
-def known_kind(flags: np.ndarray, types: np.ndarray, kind: ChannelKind | None) -> ChannelKind:
+def resolve_channel_kind(
+    flags: np.ndarray, types: np.ndarray, kind: ChannelKind | None
+) -> ChannelKind:
     """The kind that was said, or the one that the numbers look like.
 
     Raises:
         ImageError: there is no such kind.
     """
     if kind is None:
-        return kind_of(flags, types)
+        return detect_channel_kind(flags, types)
     check_kind(kind)
     return kind
 

@@ -11,7 +11,7 @@ import numpy as np
 from garmentimage.errors import ImageError
 from garmentimage.raster.image import Division, PanelMark
 
-NAME_LIMIT = 1000
+MAX_NAME_LENGTH = 1000
 """Longest name of a layer or panel."""
 
 
@@ -25,8 +25,8 @@ def mark_to_json(mark: PanelMark) -> dict[str, Any]:
 
 def read_text(value: Any) -> str:
     """`value`, if it is a text of sensible length; else an ImageError."""
-    if not isinstance(value, str) or len(value) > NAME_LIMIT:
-        raise ImageError(f"a name is not a text of at most {NAME_LIMIT} characters")
+    if not isinstance(value, str) or len(value) > MAX_NAME_LENGTH:
+        raise ImageError(f"a name is not a text of at most {MAX_NAME_LENGTH} characters")
     return value
 
 

@@ -17,8 +17,8 @@ from .npy import (
     parse_npz as parse_npz,
 )
 from .processes import (
-    Lost as Lost,
     Outcome as Outcome,
+    TimedOut as TimedOut,
     map_in_processes as map_in_processes,
 )
 from .provenance import (

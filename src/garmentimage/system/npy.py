@@ -17,9 +17,9 @@ from garmentimage.errors import ImageError
 
 NPY_MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK"
-ARCHIVE_LIMIT = 160 * 2**20
+MAX_ARCHIVE_BYTES = 160 * 2**20
 """Largest sum of the unpacked arrays of an `.npz` [bytes]."""
-MEMBER_LIMIT = 64
+MAX_MEMBERS = 64
 """Most arrays in an `.npz`."""
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """What numpy writes; zipfile unpacks the others without any bound on memory."""
@@ -73,7 +73,7 @@ def parse_npz(data: bytes, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = {info.filename: info for info in archive.infolist()}
-            if len(members) > MEMBER_LIMIT:
+            if len(members) > MAX_MEMBERS:
                 raise ImageError(f"{len(members)} arrays; a GarmentImage has fewer")
             missing = [name for name in wanted if f"{name}.npy" not in members]
             if missing:
@@ -81,8 +81,8 @@ def parse_npz(data: bytes, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
             chosen = {name: members[f"{name}.npy"] for name in wanted}
             if any(info.compress_type not in PACKINGS for info in chosen.values()):
                 raise ImageError("packed in a way that no .npz is; save it again")
-            if sum(info.file_size for info in chosen.values()) > ARCHIVE_LIMIT:
-                raise ImageError(f"unpacks to more than {ARCHIVE_LIMIT / 2**20:.0f} MiB")
+            if sum(info.file_size for info in chosen.values()) > MAX_ARCHIVE_BYTES:
+                raise ImageError(f"unpacks to more than {MAX_ARCHIVE_BYTES / 2**20:.0f} MiB")
             parts = {name: _unpacked(archive, info) for name, info in chosen.items()}
     except _BAD_ARCHIVE as error:
         if isinstance(error, ImageError):

@@ -24,7 +24,7 @@ BLAS_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
-class Lost:
+class TimedOut:
     """What stands for the result of an item whose process hung or died."""
 
     reason: str
@@ -36,7 +36,7 @@ class Outcome(Generic[Result]):
 
     number: int
     """Which item."""
-    result: Result | Lost
+    result: Result | TimedOut
     is_first: bool
     """The first item of its process, which also paid for imports and compiling."""
 
@@ -91,12 +91,12 @@ def map_in_processes(
                 if worker.connection in ready:
                     outcome: Any = _receive(worker)
                 elif monotonic() > worker.deadline:
-                    outcome = Lost(f"took longer than {time_limit:g} s and was given up")
+                    outcome = TimedOut(f"took longer than {time_limit:g} s and was given up")
                 else:
                     continue
                 number, worker.item = worker.item, None
                 assert number is not None
-                if isinstance(outcome, Lost):
+                if isinstance(outcome, TimedOut):
                     worker.stop()
                     crew[crew.index(worker)] = _hire(work)
                 yield Outcome(number, outcome, is_first=worker.given == 1)
@@ -140,4 +140,4 @@ def _receive(worker: _Worker) -> Any:
         return worker.connection.recv()
     except (EOFError, ConnectionError):
         worker.process.join()
-        return Lost(f"the process died (exit code {worker.process.exitcode})")
+        return TimedOut(f"the process died (exit code {worker.process.exitcode})")

@@ -20,7 +20,7 @@ from math import copysign, hypot
 from garmentimage.errors import PatternError
 from garmentimage.geometry import Point
 from garmentimage.pattern import Loop, Quadratic
-from garmentimage.pattern.checks import SHORTEST_EDGE, edge_place
+from garmentimage.pattern.checks import MIN_EDGE_LENGTH, edge_place
 
 Outlines = Mapping[str, Loop]
 """Outer loops of the panels, by the panels' names."""
@@ -62,7 +62,7 @@ class Run:
         """
         x, y = self.along or self._chord(loop)
         length = hypot(x, y)
-        if length < SHORTEST_EDGE:
+        if length < MIN_EDGE_LENGTH:
             raise PatternError(
                 f"{self.place}: its run of edges begins and ends at the same place, so no "
                 "parameter can stretch it; give it an 'along' direction"
@@ -113,7 +113,7 @@ def lengthened(outlines: Outlines, run: Run, length: float) -> dict[str, Loop]:
     """
 
     def step(distance: float) -> float:
-        return length * copysign(1, distance) if abs(distance) > SHORTEST_EDGE else 0.0
+        return length * copysign(1, distance) if abs(distance) > MIN_EDGE_LENGTH else 0.0
 
     return _moved(outlines, run, step)
 
@@ -137,7 +137,7 @@ def equalising_factors(outlines: Outlines, runs: Sequence[Run]) -> list[float]:
     """
     extents = [run.extent(outlines[run.panel]) for run in runs]
     for run, extent in zip(runs, extents, strict=True):
-        if abs(extent) < SHORTEST_EDGE:
+        if abs(extent) < MIN_EDGE_LENGTH:
             raise PatternError(
                 f"{run.place}: has no extent along its direction, so no constraint can make it "
                 "as long as others; change its 'along' direction"

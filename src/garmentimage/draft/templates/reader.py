@@ -29,7 +29,7 @@ from garmentimage.pattern import (
     Quadratic,
     euler_angles,
 )
-from garmentimage.pattern.checks import SHORTEST_EDGE, check_pattern, edge_place, panel_place
+from garmentimage.pattern.checks import MIN_EDGE_LENGTH, check_pattern, edge_place, panel_place
 from garmentimage.pattern.files import (
     CM_PER_METRE,
     as_integer,
@@ -201,7 +201,7 @@ class _Reader:
             raise PatternError(f"{where}, id: names no edge; give one number or more")
         moving = _member_of(Moving, member(given, "direction", where), f"{where}, direction")
         along = as_point(given["along"], f"{where}, along") if "along" in given else None
-        if along is not None and math.hypot(*along) < SHORTEST_EDGE:
+        if along is not None and math.hypot(*along) < MIN_EDGE_LENGTH:
             raise PatternError(f"{where}, along: has no direction; give two numbers, not both 0")
         return Run(panel.name, edges, moving, along)
 

@@ -36,7 +36,7 @@ UPRIGHT_SHARE = 0.4
 """Share of the cloth that must stand along z for the world to be z-up; real garments: to 0.22."""
 OPPOSITE = -0.5
 """Cosine of the normals of a front and a back, seen from above."""
-LEAST_TURN = 1.0
+MIN_TURN = 1.0
 """A garment in radians has a panel that is turned by more than this [radians]."""
 QUARTER_TURN_TOL = 2e-3
 """Rounding of a quarter turn that is written as 1.57 or 3.14 [radians]."""
@@ -207,9 +207,9 @@ def _standing_findings(pattern: Pattern) -> list[Finding]:
 def _in_radians(pattern: Pattern) -> bool:
     """Whether all angles fit into a full turn of radians, and are quarter turns or sensible so."""
     angles = np.abs([p.rotation for p in pattern.panels])
-    if not LEAST_TURN <= angles.max() <= 2 * pi + QUARTER_TURN_TOL:
+    if not MIN_TURN <= angles.max() <= 2 * pi + QUARTER_TURN_TOL:
         return False
-    quarters = angles[angles >= LEAST_TURN] / (pi / 2)
+    quarters = angles[angles >= MIN_TURN] / (pi / 2)
     if np.abs(quarters - np.round(quarters)).min() < QUARTER_TURN_TOL:
         return True
     turned = tuple(

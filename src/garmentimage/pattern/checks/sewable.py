@@ -30,22 +30,22 @@ from garmentimage.pattern.model import (
 )
 from garmentimage.pattern.seam_runs import STUB_CM, stubs
 
-NAME_LIMIT = 200
+MAX_NAME_LENGTH = 200
 """Characters of a panel's name."""
-PANEL_LIMIT = 10_000
+MAX_PANELS = 10_000
 """Panels of a pattern."""
-EDGE_LIMIT = 100_000
+MAX_EDGES = 100_000
 """Edges of a panel."""
-STITCH_LIMIT = 200_000
+MAX_STITCHES = 200_000
 """Stitches of a pattern."""
-CLOTH_LAYER_LIMIT = 15
-COORDINATE_LIMIT = 1e12
+MAX_CLOTH_LAYER = 15
+MAX_COORDINATE = 1e12
 """Largest coordinate [cm]."""
-PANEL_SIZE_LIMIT = 20_000.0
+MAX_PANEL_SIZE = 20_000.0
 """Largest width or height of a panel [cm]; real ruffled skirts reach 1,500."""
-SHORTEST_EDGE = 1e-6
+MIN_EDGE_LENGTH = 1e-6
 """Two vertices nearer than this are one place [cm]; real edges go down to 0.0005."""
-THINNEST_PANEL = 1e-7
+MIN_PANEL_WIDTH = 1e-7
 """Least area of a panel, as a share of its squared perimeter; a waistband of 1 x 1455 has 2e-4."""
 STRAIGHT_TOL = 1e-6
 """Breadth of a set of points, as a share of its length, that makes it a line."""
@@ -56,9 +56,9 @@ ARC_TOL = 1e-12
 
 FAR_AWAY = 1e5
 """Panel coordinates beyond this lose precision for nothing [cm]."""
-MANY_EDGES = 1_000
+MAX_USUAL_EDGES = 1_000
 """More edges than this in one panel are likely a traced outline."""
-GATHER_RATIO = 3.5
+MAX_GATHER_RATIO = 3.5
 """Sides of a stitch more unequal than this are likely a mistake; real gathers reach 3 and a bit."""
 GATHER_SLACK = 1.0
 """A difference in length that is never worth a word [cm]."""
@@ -106,8 +106,8 @@ def check_structure(pattern: Pattern, *, stitch_numbers: Sequence[int] | None = 
     """
     if not pattern.panels:
         raise PatternError("the pattern has no panels (pattern.panels is empty); add at least one")
-    if len(pattern.panels) > PANEL_LIMIT:
-        raise PatternError(f"{len(pattern.panels)} panels; at most {PANEL_LIMIT} are taken")
+    if len(pattern.panels) > MAX_PANELS:
+        raise PatternError(f"{len(pattern.panels)} panels; at most {MAX_PANELS} are taken")
     seen: set[str] = set()
     for panel in pattern.panels:
         check_name(panel.name)
@@ -121,10 +121,10 @@ def check_structure(pattern: Pattern, *, stitch_numbers: Sequence[int] | None = 
 
 def check_name(name: str) -> None:
     """A panel's name must be short enough and writable as UTF-8."""
-    if len(name) > NAME_LIMIT:
+    if len(name) > MAX_NAME_LENGTH:
         raise PatternError(
             f"panel {quoted(name)}: its name has {len(name)} characters; "
-            f"at most {NAME_LIMIT} are taken"
+            f"at most {MAX_NAME_LENGTH} are taken"
         )
     if any("\ud800" <= c <= "\udfff" for c in name):
         raise PatternError(
@@ -146,10 +146,10 @@ def edge_place(name: str, edge: int) -> str:
 def _check_panel_structure(panel: Panel) -> None:
     place = panel_place(panel.name)
     count = sum(len(loop.edges) for loop in panel.loops)
-    if count > EDGE_LIMIT:
-        raise PatternError(f"{place}: {count} edges; at most {EDGE_LIMIT} are taken")
+    if count > MAX_EDGES:
+        raise PatternError(f"{place}: {count} edges; at most {MAX_EDGES} are taken")
     for what, vector in (("translation", panel.translation), ("rotation", panel.rotation)):
-        if not all(isfinite(v) and abs(v) <= COORDINATE_LIMIT for v in vector):
+        if not all(isfinite(v) and abs(v) <= MAX_COORDINATE for v in vector):
             raise PatternError(f"{place}: its {what} is not finite; give three ordinary numbers")
     first = 0
     for loop in panel.loops:
@@ -168,10 +168,8 @@ def _check_marks(panel: Panel, edge_count: int) -> None:
                 f"{place}: a notch at {notch.at} of edge {notch.edge}; the edge must exist "
                 "and the place be a share from 0 to 1"
             )
-    if not 0 <= panel.cloth_layer <= CLOTH_LAYER_LIMIT:
-        raise PatternError(
-            f"{place}: cloth layer {panel.cloth_layer}; give 0 to {CLOTH_LAYER_LIMIT}"
-        )
+    if not 0 <= panel.cloth_layer <= MAX_CLOTH_LAYER:
+        raise PatternError(f"{place}: cloth layer {panel.cloth_layer}; give 0 to {MAX_CLOTH_LAYER}")
 
 
 def check_loop(loop: Loop, name: str, first: int = 0) -> None:
@@ -182,10 +180,10 @@ def check_loop(loop: Loop, name: str, first: int = 0) -> None:
     """
     place = panel_place(name)
     for k, (x, y) in enumerate(loop.vertices):
-        if not (abs(x) <= COORDINATE_LIMIT and abs(y) <= COORDINATE_LIMIT):
+        if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE):
             raise PatternError(
                 f"{place}, vertex {k}: its coordinates are not finite, or beyond "
-                f"{COORDINATE_LIMIT:g} cm; give ordinary numbers"
+                f"{MAX_COORDINATE:g} cm; give ordinary numbers"
             )
     if len(loop.edges) < 2:
         raise PatternError(f"{place}: a closed outline needs two edges or more")
@@ -217,14 +215,14 @@ def check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
     """Check that an edge has a length and a curve that exists."""
     (x0, y0), (x1, y1) = vertices[edge.start], vertices[edge.end]
     chord = hypot(x1 - x0, y1 - y0)
-    if chord < SHORTEST_EDGE:
+    if chord < MIN_EDGE_LENGTH:
         raise PatternError(
             f"{where}: has no length (vertices {edge.start} and {edge.end} are the same place); "
             "remove it or move a vertex"
         )
     match edge.curvature:
         case Circle(radius):
-            if not chord / 2 * (1 - ARC_TOL) <= radius <= COORDINATE_LIMIT:
+            if not chord / 2 * (1 - ARC_TOL) <= radius <= MAX_COORDINATE:
                 raise PatternError(
                     f"{where}: an arc of radius {radius:g} cm cannot join points {chord:g} cm "
                     f"apart; the radius must be at least {chord / 2:g} cm"
@@ -236,7 +234,7 @@ def check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
 
 
 def _check_controls(controls: Iterable[Point], where: str) -> None:
-    if not all(abs(v) <= COORDINATE_LIMIT for control in controls for v in control):
+    if not all(abs(v) <= MAX_COORDINATE for control in controls for v in control):
         raise PatternError(f"{where}: its curvature is not finite; give ordinary numbers")
 
 
@@ -248,8 +246,8 @@ def check_stitches(
     Raises:
         StitchError: names the stitch, or both where an edge is in two.
     """
-    if len(stitches) > STITCH_LIMIT:
-        raise StitchError(f"{len(stitches)} stitches; at most {STITCH_LIMIT} are taken")
+    if len(stitches) > MAX_STITCHES:
+        raise StitchError(f"{len(stitches)} stitches; at most {MAX_STITCHES} are taken")
     user: dict[Side, int] = {}
     for number, stitch in zip(numbers, stitches):
         for side in stitch.sides:
@@ -284,10 +282,10 @@ def _check_shape(panel: Panel) -> list[Finding]:
     rings = [loop.polygon for loop in panel.loops]
     for loop, ring in zip(panel.loops, rings):
         origin, size = ring.min(axis=0), np.ptp(ring, axis=0)
-        if size.max() > PANEL_SIZE_LIMIT:
+        if size.max() > MAX_PANEL_SIZE:
             raise PatternError(
                 f"{place}: is {size.max() / 100:.6g} m in size; at most "
-                f"{PANEL_SIZE_LIMIT / 100:g} m are taken; check the units"
+                f"{MAX_PANEL_SIZE / 100:g} m are taken; check the units"
             )
         if np.abs(origin).max() > FAR_AWAY:
             found.append(
@@ -297,7 +295,7 @@ def _check_shape(panel: Panel) -> list[Finding]:
         unused = set(range(len(loop.vertices))) - {e.start for e in loop.edges}
         if unused:
             found.append(Finding(place, f"vertex {min(unused)} is used by no edge"))
-    if len(panel.edges) > MANY_EDGES:
+    if len(panel.edges) > MAX_USUAL_EDGES:
         found.append(Finding(place, f"has {len(panel.edges)} edges; a curve may do for many"))
     _check_simple(panel, rings)
     return found
@@ -305,7 +303,7 @@ def _check_shape(panel: Panel) -> list[Finding]:
 
 def _check_area(area: float, ring: Float[np.ndarray, "n 2"], place: str) -> None:
     perimeter = polyline_length(ring) + hypot(*(ring[0] - ring[-1]))
-    if abs(area) < THINNEST_PANEL * perimeter**2 and _on_one_line(ring):
+    if abs(area) < MIN_PANEL_WIDTH * perimeter**2 and _on_one_line(ring):
         raise PatternError(f"{place}: has no area; its edges lie on one line")
 
 
@@ -406,7 +404,7 @@ def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
     found = []
     for number, stitch in zip(numbers, pattern.stitches):
         short, long = sorted(pattern.curve(side).length for side in stitch.sides)
-        if long > GATHER_RATIO * short and long - short > GATHER_SLACK:
+        if long > MAX_GATHER_RATIO * short and long - short > GATHER_SLACK:
             found.append(
                 Finding(
                     f"stitch {number}",

@@ -10,7 +10,7 @@ from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
 
 SAME_LENGTH = 0.05
 """Lengths that differ by less than this share are the same, but for a little ease."""
-LEAST_MISSING = 0.1
+MIN_MISSING = 0.1
 """A free edge that is a smaller share of the longer side is no forgotten half."""
 SMOOTH = 0.94
 """Least cosine between edges that go on as one, 20 degrees."""
@@ -45,7 +45,7 @@ def _forgotten(pattern: Pattern, stitch: Stitch) -> Side | None:
     short, long = sorted(stitch.sides, key=lambda side: pattern.curve(side).length)
     whole = pattern.curve(long).length
     missing = whole - pattern.curve(short).length
-    if missing < LEAST_MISSING * whole:
+    if missing < MIN_MISSING * whole:
         return None
     panel = pattern.by_name[short.panel]
     if short.edge >= len(panel.outline.edges):

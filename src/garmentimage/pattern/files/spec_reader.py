@@ -10,11 +10,11 @@ import numpy as np
 from garmentimage.errors import PatternError, PatternFileError, StitchError, quoted
 from garmentimage.pattern.checks import (
     ARC_TOL,
-    EDGE_LIMIT,
     GRAIN_TOL,
-    PANEL_LIMIT,
-    SHORTEST_EDGE,
-    STITCH_LIMIT,
+    MAX_EDGES,
+    MAX_PANELS,
+    MAX_STITCHES,
+    MIN_EDGE_LENGTH,
     check_name,
     check_pattern,
     edge_place,
@@ -58,7 +58,7 @@ OURS = "garmentimage"
 SAME_DIRECTION_FLAG = "right_wrong"
 CM_PER_METRE = 100
 
-FINDING_LIMIT = 50
+MAX_FINDINGS = 50
 """Findings that reading one pattern gives; the rest is counted."""
 ROUNDING_SHORTFALL = 1e-3
 """Share by which rounding may leave an arc's radius under half its chord; real files: 3e-6."""
@@ -120,9 +120,9 @@ class _Reader:
         body = {**body, "panels": panel_data}
         if not panel_data:
             raise PatternError("pattern.panels: is empty; a pattern needs at least one panel")
-        if len(panel_data) > PANEL_LIMIT:
+        if len(panel_data) > MAX_PANELS:
             raise PatternError(
-                f"pattern.panels: {len(panel_data)} panels; at most {PANEL_LIMIT} are taken"
+                f"pattern.panels: {len(panel_data)} panels; at most {MAX_PANELS} are taken"
             )
         our_panels = as_object(ours.get("panels", {}), f"{OURS}.panels")
         for other in our_panels:
@@ -279,8 +279,8 @@ class _Reader:
             for k, v in enumerate(as_list(member(data, "vertices", place), f"{place}, vertices"))
         )
         edge_data = as_list(member(data, "edges", place), f"{place}, edges")
-        if len(edge_data) > EDGE_LIMIT:
-            raise PatternError(f"{place}: {len(edge_data)} edges; at most {EDGE_LIMIT} are taken")
+        if len(edge_data) > MAX_EDGES:
+            raise PatternError(f"{place}: {len(edge_data)} edges; at most {MAX_EDGES} are taken")
         edges = [
             self.edge(e, vertices, units, f"{place}, edge {first + k}")
             for k, e in enumerate(edge_data)
@@ -323,7 +323,7 @@ class _Reader:
         if data is None:
             return None
         chord = hypot(end[0] - start[0], end[1] - start[1])
-        if chord < SHORTEST_EDGE:
+        if chord < MIN_EDGE_LENGTH:
             raise PatternError(
                 f"{where}: has no length (its ends are the same place); remove it or move a vertex"
             )
@@ -420,8 +420,8 @@ class _Reader:
                 raise StitchError(f"{where}: position {position} is not one of a stitch")
             stitch = self.stitch(member(given, "stitch", where), f"{where}, stitch", all_edges)
             stitches.insert(position, stitch)
-        if len(stitches) > STITCH_LIMIT:
-            raise StitchError(f"{len(stitches)} stitches; at most {STITCH_LIMIT} are taken")
+        if len(stitches) > MAX_STITCHES:
+            raise StitchError(f"{len(stitches)} stitches; at most {MAX_STITCHES} are taken")
         numbers, kept = self.without_copies(stitches)
         return numbers, tuple(_renumbered(stitch, orders) for stitch in kept)
 
@@ -562,10 +562,10 @@ def _renumbered(stitch: Stitch, orders: Mapping[str, Sequence[int]]) -> Stitch:
 
 
 def _limited(found: Sequence[Finding]) -> tuple[Finding, ...]:
-    if len(found) <= FINDING_LIMIT:
+    if len(found) <= MAX_FINDINGS:
         return tuple(found)
-    rest = len(found) - FINDING_LIMIT
-    return (*found[:FINDING_LIMIT], Finding("pattern", f"{rest} further findings are not shown"))
+    rest = len(found) - MAX_FINDINGS
+    return (*found[:MAX_FINDINGS], Finding("pattern", f"{rest} further findings are not shown"))
 
 
 def ordered_names(given: Any, names: Iterable[str]) -> list[str]:

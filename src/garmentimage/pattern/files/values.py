@@ -6,7 +6,7 @@ from typing import Any
 
 from garmentimage.errors import PatternError, PatternFileError, quoted
 from garmentimage.geometry import Point
-from garmentimage.pattern.checks import COORDINATE_LIMIT
+from garmentimage.pattern.checks import MAX_COORDINATE
 
 
 def as_object(
@@ -14,14 +14,14 @@ def as_object(
 ) -> dict[str, Any]:
     """The value if it is a JSON object; `where` names its place in messages."""
     if not isinstance(value, dict):
-        raise error(f"{where}: must be an object, not {kind_of(value)}")
+        raise error(f"{where}: must be an object, not {json_type_name(value)}")
     return value
 
 
 def as_list(value: Any, where: str, error: type[PatternError] = PatternFileError) -> list[Any]:
     """The value if it is a JSON list."""
     if not isinstance(value, list):
-        raise error(f"{where}: must be a list, not {kind_of(value)}")
+        raise error(f"{where}: must be a list, not {json_type_name(value)}")
     return value
 
 
@@ -35,17 +35,17 @@ def member(
 
 
 def as_number(value: Any, where: str) -> float:
-    """The value as a finite float, not beyond `COORDINATE_LIMIT`."""
+    """The value as a finite float, not beyond `MAX_COORDINATE`."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise PatternError(f"{where}: must be a number, not {kind_of(value)}")
+        raise PatternError(f"{where}: must be a number, not {json_type_name(value)}")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
-    if not abs(number) <= COORDINATE_LIMIT:
+    if not abs(number) <= MAX_COORDINATE:
         shown = "NaN" if math.isnan(number) else "infinite or too large"
         raise PatternError(
-            f"{where}: must be a finite number (up to {COORDINATE_LIMIT:g}); this one is {shown}"
+            f"{where}: must be a finite number (up to {MAX_COORDINATE:g}); this one is {shown}"
         )
     return number
 
@@ -53,7 +53,7 @@ def as_number(value: Any, where: str) -> float:
 def as_numbers(value: Any, count: int, where: str) -> list[float]:
     """The value if it is a list of `count` numbers."""
     if not isinstance(value, list) or len(value) != count:
-        given = f"{len(value)} values" if isinstance(value, list) else kind_of(value)
+        given = f"{len(value)} values" if isinstance(value, list) else json_type_name(value)
         raise PatternError(f"{where}: must be a list of {count} numbers, not {given}")
     return [as_number(v, where) for v in value]
 
@@ -63,7 +63,7 @@ def as_point(value: Any, where: str) -> Point:
     # The common case first: a garment has hundreds of points.
     if type(value) is list and len(value) == 2:
         x, y = value
-        if type(x) is float and type(y) is float and abs(x) <= COORDINATE_LIMIT >= abs(y):
+        if type(x) is float and type(y) is float and abs(x) <= MAX_COORDINATE >= abs(y):
             return x, y
     x, y = as_numbers(value, 2, where)
     return x, y
@@ -83,7 +83,7 @@ def as_flag(value: Any, where: str) -> bool:
     return bool(value)
 
 
-def kind_of(value: Any) -> str:
+def json_type_name(value: Any) -> str:
     """What a value is, in words."""
     names: Iterable[tuple[type, str]] = (
         (dict, "an object"),
@@ -101,8 +101,8 @@ def shown(value: Any) -> str:
     if isinstance(value, str):
         return quoted(value)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return repr(value) if abs(value) <= COORDINATE_LIMIT else "a number out of range"
-    return kind_of(value)
+        return repr(value) if abs(value) <= MAX_COORDINATE else "a number out of range"
+    return json_type_name(value)
 
 
 def without(data: Mapping[str, Any], known: Iterable[str]) -> dict[str, Any]:

@@ -17,11 +17,11 @@ QUADRATIC_TOL_CM = 0.05
 QUADRATIC_TOL_SHARE = 0.0015
 """A quadratic curve this near is taken before a cubic is tried."""
 
-CORNER = np.deg2rad(72.0)
+MIN_CORNER_TURN = np.deg2rad(72.0)
 """A turn between two chords that is a corner wherever it stands."""
 
-SHARP_TURN = np.deg2rad(12.0)
-SHARP_FACTOR = 3.0
+MIN_SHARP_TURN = np.deg2rad(12.0)
+MIN_SHARPNESS = 3.0
 """A turn beyond the first is a corner too if it is this many times the turns beside it."""
 
 EVEN_CHORDS = 0.9
@@ -32,7 +32,7 @@ ARC_CHORDS = 3
 ARC_SWEEP = np.deg2rad(60.0)
 """From so many chords on, or with two that sweep more than this, an arc is told from a parabola."""
 
-LEAST_ARC, WIDEST_ARC = np.deg2rad(0.5), np.deg2rad(354.0)
+MIN_ARC_SWEEP, MAX_ARC_SWEEP = np.deg2rad(0.5), np.deg2rad(354.0)
 """Flatter arcs are no arcs; those that come nearer to closing are not fitted by one curve."""
 
 JUMP = 0.8
@@ -43,10 +43,10 @@ turns thereabouts, two edges meet though there is no corner."""
 FULL_FIT_CHORDS = 4
 """From this many chords on, a curve through all of them is proof that there is no corner."""
 
-STRETCH_LIMIT = 1.2
+MAX_STRETCH = 1.2
 """A fitted curve longer than this many times its polyline has swung out: it is refused."""
 
-CHORD_SHARE = 0.2
+MIN_CHORD_SHARE = 0.2
 """A run that comes back this near to its start, as a share of its length, is two curves or more."""
 
 REFUSED, LINE, QUADRATIC, CUBIC, ARC = -1, 0, 1, 2, 3
@@ -74,8 +74,8 @@ def find_corners(points):
         at_end = k == 0 or k == inner - 1
         beside = max(turns[k - 1] if k > 0 else 0.0, turns[k + 1] if k + 1 < inner else 0.0)
         even = min(chords[k], chords[k + 1]) > EVEN_CHORDS * max(chords[k], chords[k + 1])
-        sharp = turns[k] > SHARP_TURN and turns[k] > SHARP_FACTOR * beside
-        corners[k] = turns[k] > CORNER or (sharp and not (at_end and even))
+        sharp = turns[k] > MIN_SHARP_TURN and turns[k] > MIN_SHARPNESS * beside
+        corners[k] = turns[k] > MIN_CORNER_TURN or (sharp and not (at_end and even))
         corners[k] = corners[k] or (max(turns[k], beside) > JUMP_TURN and jumps(chords, k))
         suspect = suspect or corners[k]
     if suspect and inner + 1 >= FULL_FIT_CHORDS:
@@ -114,7 +114,7 @@ def fit_run(points):
     if chord > 0 and line_error(points) <= max(LINE_TOL_CM, LINE_TOL_SHARE * length):
         return LINE, controls, 0.0, 0.0
     radius, swept, round_error = fit_arc(points)
-    returns = chord <= CHORD_SHARE * length
+    returns = chord <= MIN_CHORD_SHARE * length
     error = np.inf if returns else fit_bezier(points, shares, length, QUADRATIC, controls)
     if round_error <= near and round_error <= error:
         return ARC, controls, radius, swept
@@ -160,7 +160,7 @@ def fit_arc(points):
         angles[j] = angles[j - 1] + np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
     swept = angles[-1]
     told = count > ARC_CHORDS or abs(swept) > ARC_SWEEP
-    if not told or not LEAST_ARC < abs(swept) < WIDEST_ARC:
+    if not told or not MIN_ARC_SWEEP < abs(swept) < MAX_ARC_SWEEP:
         return 0.0, 0.0, np.inf
     # Through the ends exactly; from the sweep, as the radius hardly tells arcs near a half circle.
     dx, dy = points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1]
@@ -233,7 +233,7 @@ def fit_bezier(points, shares, length, order, controls):
             px, py = bezier_point(points, controls, order, k / _TABLE)
             table[k] = table[k - 1] + np.hypot(px - x, py - y)
             x, y = px, py
-        if not 0.0 < table[-1] <= STRETCH_LIMIT * length:
+        if not 0.0 < table[-1] <= MAX_STRETCH * length:
             return np.inf
         error = 0.0
         k = 0

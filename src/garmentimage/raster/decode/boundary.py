@@ -22,7 +22,7 @@ NONE = -1
 OPEN_SLIT = np.deg2rad(0.05)
 """Legs that open by less than this angle at their tip lie on each other."""
 
-JOIN_LIMIT_CM = 15.0
+MAX_JOIN_GAP_CM = 15.0
 """Sides farther apart than this, each in its place in the whole panel, are not its cut."""
 
 
@@ -208,7 +208,7 @@ def _nearest_seam(boundary: Boundary, first: int, second: int, whole: np.ndarray
     """Half-edges on the side of `first` of the likeliest cut between two parts, in order."""
     owner = whole[boundary.cluster]
     starts = boundary.seam_starts
-    best: tuple[float, list[int]] = (JOIN_LIMIT_CM, [])
+    best: tuple[float, list[int]] = (MAX_JOIN_GAP_CM, [])
     facing = (owner == first) & (boundary.partner != NONE) & (boundary.following != NONE)
     facing[facing] = boundary.cluster[boundary.partner[facing]] == second
     for k in np.flatnonzero(facing & starts).tolist():

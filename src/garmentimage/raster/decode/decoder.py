@@ -22,7 +22,7 @@ from garmentimage.raster.decode.assemble import assemble, marks_of_clusters, pan
 from garmentimage.raster.decode.fit_edges import fit_edges
 from garmentimage.raster.decode.outlines import unfold_simply
 from garmentimage.raster.image import GarmentImage
-from garmentimage.raster.repair import RepairLevel, repair as repair_image, without_flaps
+from garmentimage.raster.repair import RepairLevel, remove_dangling_cuts, repair as repair_image
 
 MAX_PANELS = 1000
 """An image in more parts than this is noise; garments have up to 50 panels."""
@@ -57,7 +57,7 @@ def decode(
     try:
         return _decoded(image)
     except DecodeError:
-        mended, count = without_flaps(image) if repair == "full" else (image, 0)
+        mended, count = remove_dangling_cuts(image) if repair == "full" else (image, 0)
         if not count:
             raise
         return _decoded(mended)

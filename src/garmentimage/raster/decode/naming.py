@@ -34,7 +34,7 @@ REACH_TOL_CM = 8.0
 BAND_CM = 14.0
 """A waistband, a collar or a cuff is no wider than this."""
 
-LONGEST_BODICE_CM = 80.0
+MAX_BODICE_CM = 80.0
 """Longer panels from the shoulder down are those of a dress, or of a jumpsuit."""
 
 CENTRE_TOL_CM = 1.0
@@ -110,7 +110,7 @@ def _kind(image: GarmentImage, cluster: Cluster, *, central: bool) -> str:
         return "waistband"
     legs = _has_legs(image, cluster) if central else _is_leg(image, cluster)
     if middle_y > TRUNK_CM or top > SHOULDER_CM - REACH_TOL_CM:
-        if height < LONGEST_BODICE_CM:
+        if height < MAX_BODICE_CM:
             return "bodice"
         return "jumpsuit" if legs else "dress"
     if legs:

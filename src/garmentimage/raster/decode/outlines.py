@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from garmentimage.errors import DecodeError
 from garmentimage.geometry import contains, signed_area, touching_sides
-from garmentimage.pattern.checks import PANEL_SIZE_LIMIT, SHORTEST_EDGE
+from garmentimage.pattern.checks import MAX_PANEL_SIZE, MIN_EDGE_LENGTH
 from garmentimage.raster.cells import CellMesh
 from garmentimage.raster.decode.boundary import Boundary, Cluster, close_slits, trace_boundary
 from garmentimage.raster.decode.unfold import unfold_panel
@@ -75,8 +75,8 @@ def is_outline(polygons: Polygons) -> bool:
     steps = np.concatenate([np.diff(p, axis=0, append=p[:1]) for p in polygons])
     if (
         abs(areas[first]) < MIN_PANEL_CM2
-        or np.ptp(outline, axis=0).max() > PANEL_SIZE_LIMIT
-        or np.abs(steps).max(axis=1).min() < 2 * SHORTEST_EDGE
+        or np.ptp(outline, axis=0).max() > MAX_PANEL_SIZE
+        or np.abs(steps).max(axis=1).min() < 2 * MIN_EDGE_LENGTH
         or len(touching_sides(polygons))
     ):
         return False

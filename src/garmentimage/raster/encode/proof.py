@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from garmentimage.compare import (
     StitchGraph,
-    judge,
+    compare_patterns,
     lengths_agree,
     match_graphs,
     same_stitch_graph,
@@ -40,7 +40,7 @@ class Disproof:
 def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Disproof:
     """Decode an image, and name what of its pattern is lost.
 
-    `judge` decides; it is called only where a quicker test leaves doubt.
+    `compare_patterns` decides; it is called only where a quicker test leaves doubt.
 
     Args:
         pattern: what the image should show.
@@ -60,7 +60,7 @@ def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Dispr
     same = {name: name for name in graph.panels if name in back.panels}
     lost = same_stitch_graph(graph, back, same)
     if not lost:
-        result = judge(pattern, decoded)
+        result = compare_patterns(pattern, decoded)
         if result.success:
             return Disproof()
         lost = list(result.reasons)

@@ -5,5 +5,5 @@ from .repairer import (
     repair as repair,
 )
 from .walls import (
-    without_flaps as without_flaps,
+    remove_dangling_cuts as remove_dangling_cuts,
 )

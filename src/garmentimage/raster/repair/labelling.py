@@ -20,7 +20,7 @@ from garmentimage.raster.image import (
 )
 from garmentimage.raster.repair._kernels import minimise_pair
 
-CERTAIN_COST = 14.0
+MAX_COST = 14.0
 """Cost of what a network gave no probability at all."""
 
 NEIGHBOUR_GAIN = 0.2
@@ -30,7 +30,7 @@ _NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
 
 
 @dataclass(frozen=True)
-class Beliefs:
+class UnaryCosts:
     """What a network thinks: costs of every choice [nats], and deformation."""
 
     inside: Float[np.ndarray, "2 layer row col"]
@@ -40,7 +40,7 @@ class Beliefs:
     deformation: Float[np.ndarray, "layer 4 2 row col"]
 
 
-def read_beliefs(array: np.ndarray, kind: ChannelKind) -> Beliefs:
+def unary_costs(array: np.ndarray, kind: ChannelKind) -> UnaryCosts:
     """Costs from what a network gives.
 
     Args:
@@ -52,30 +52,30 @@ def read_beliefs(array: np.ndarray, kind: ChannelKind) -> Beliefs:
     """
     flags, types, vectors = split_channels(check_channels(array))
     if kind == "channels":
-        decided = certain(GarmentImage.from_channels(array, kind=kind))
-        return Beliefs(decided.inside, decided.types, vectors)
+        decided = one_hot_costs(GarmentImage.from_channels(array, kind=kind))
+        return UnaryCosts(decided.inside, decided.types, vectors)
     if kind == "logits":
         both = np.logaddexp(0, np.stack([flags, -flags]))
         each = np.logaddexp.reduce(types, axis=2, keepdims=True) - types
-        return Beliefs(np.minimum(both, CERTAIN_COST), np.minimum(each, CERTAIN_COST), vectors)
+        return UnaryCosts(np.minimum(both, MAX_COST), np.minimum(each, MAX_COST), vectors)
     inside, shares = flags.clip(0, 1), types.clip(0, 1)
     total = shares.sum(axis=2, keepdims=True)
     # Four zeros say nothing, so that all four are as likely.
     shares = np.divide(shares, total, out=np.full_like(shares, 0.25), where=total > 0)
-    return Beliefs(_cost(np.stack([1 - inside, inside])), _cost(shares), vectors)
+    return UnaryCosts(_cost(np.stack([1 - inside, inside])), _cost(shares), vectors)
 
 
 def _cost(probability: np.ndarray) -> np.ndarray:
-    return -np.log(np.maximum(probability, np.exp(-CERTAIN_COST)))
+    return -np.log(np.maximum(probability, np.exp(-MAX_COST)))
 
 
-def certain(image: GarmentImage) -> Beliefs:
+def one_hot_costs(image: GarmentImage) -> UnaryCosts:
     """The beliefs of someone who believes every channel of `image`."""
-    inside = np.where(np.stack([image.inside, ~image.inside]), CERTAIN_COST, 0.0)
-    return Beliefs(inside, np.where(one_hot(image.edge_type), 0.0, CERTAIN_COST), image.deformation)
+    inside = np.where(np.stack([image.inside, ~image.inside]), MAX_COST, 0.0)
+    return UnaryCosts(inside, np.where(one_hot(image.edge_type), 0.0, MAX_COST), image.deformation)
 
 
-def with_neighbours(
+def with_neighbour_gain(
     costs: Float[np.ndarray, "layer 2 4 row col"], types: np.ndarray
 ) -> Float[np.ndarray, "layer 2 4 row col"]:
     """Costs less what each type gains from the touching grid edges that have it."""
@@ -94,7 +94,7 @@ def with_neighbours(
     return np.ascontiguousarray(costs - NEIGHBOUR_GAIN * near)
 
 
-def relabel(
+def minimise_energy(
     inside: Bool[np.ndarray, "layer row col"], flag_cost: np.ndarray, type_cost: np.ndarray
 ) -> tuple[Bool[np.ndarray, "layer row col"], np.ndarray]:
     """Flags and types of least cost that agree, by local search from `inside`.

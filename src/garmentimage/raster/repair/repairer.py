@@ -11,33 +11,33 @@ from typing import Literal
 import numpy as np
 
 from garmentimage.errors import ImageError
-from garmentimage.raster.channel_kind import ChannelKind, is_plain
+from garmentimage.raster.channel_kind import ChannelKind, is_binary
 from garmentimage.raster.channels import check_channels, split_channels
 from garmentimage.raster.image import (
     BOTTOM,
     LEFT,
     EdgeType,
     GarmentImage,
-    known_kind,
+    resolve_channel_kind,
 )
 from garmentimage.raster.repair.labelling import (
-    Beliefs,
-    certain,
-    read_beliefs,
-    relabel,
-    with_neighbours,
+    UnaryCosts,
+    minimise_energy,
+    one_hot_costs,
+    unary_costs,
+    with_neighbour_gain,
 )
 from garmentimage.raster.repair.walls import (
-    drop_lone_cells,
-    mend_paper_cases,
+    drop_isolated_regions,
     merge_thin_regions,
-    whole_seams,
+    repair_paper_cases,
+    unify_seams,
 )
 
 RepairLevel = Literal["full", "paper", "none"]
 LEVELS: tuple[RepairLevel, ...] = ("full", "paper", "none")
 
-CELL_SIZE_LIMITS = (0.2, 5.0)
+CELL_SIZE_RANGE = (0.2, 5.0)
 """A cell that was not meant to be inside keeps its own vectors if they are this many times the
 grid's own cell, else it takes those of its neighbours."""
 
@@ -103,41 +103,41 @@ def repair(
         mended, counts = _repaired(image, level, None)
     else:
         flags, types, _ = split_channels(check_channels(image))
-        known = known_kind(flags, types, kind)
-        report = RepairReport(level, {}, known, kind is None and not is_plain(flags, types))
+        known = resolve_channel_kind(flags, types, kind)
+        report = RepairReport(level, {}, known, kind is None and not is_binary(flags, types))
         given = GarmentImage.from_channels(image, kind=known)
-        mended, counts = _repaired(given, level, read_beliefs(image, known))
+        mended, counts = _repaired(given, level, unary_costs(image, known))
     return mended, replace(report, counts={rule: n for rule, n in counts.items() if n})
 
 
 def _repaired(
-    given: GarmentImage, level: RepairLevel, beliefs: Beliefs | None
+    given: GarmentImage, level: RepairLevel, beliefs: UnaryCosts | None
 ) -> tuple[GarmentImage, dict[str, int]]:
     """The image, and how much each rule changed; without beliefs all of `given` is believed."""
     if level == "none":
         return given, {}
     if level == "full":
-        return _repaired_fully(given, beliefs or certain(given))
-    types, counts = mend_paper_cases(given)
+        return _repaired_fully(given, beliefs or one_hot_costs(given))
+    types, counts = repair_paper_cases(given)
     return (replace(given, edge_type=types) if any(counts.values()) else given), counts
 
 
-def _repaired_fully(given: GarmentImage, costs: Beliefs) -> tuple[GarmentImage, dict[str, int]]:
+def _repaired_fully(given: GarmentImage, costs: UnaryCosts) -> tuple[GarmentImage, dict[str, int]]:
     flag_cost = np.ascontiguousarray(costs.inside, float)
-    type_cost = with_neighbours(costs.types, given.edge_type)
-    inside, types = relabel(given.inside, flag_cost, type_cost)
+    type_cost = with_neighbour_gain(costs.types, given.edge_type)
+    inside, types = minimise_energy(given.inside, flag_cost, type_cost)
     counts = {
         "inconsistent flags": int((inside != given.inside).sum()),
         "inconsistent edge types": int((types != given.edge_type).sum()),
     }
-    counts["seams and slits made whole or dropped"] = whole_seams(inside, types, type_cost)
+    counts["seams and slits made whole or dropped"] = unify_seams(inside, types, type_cost)
     counts["thin regions merged"] = merge_thin_regions(inside, types, costs.types, type_cost)
-    counts["lone cells dropped"] = drop_lone_cells(inside, types, flag_cost)
+    counts["lone cells dropped"] = drop_isolated_regions(inside, types, flag_cost)
     # What was merged may leave a slit behind.
-    counts["seams and slits made whole or dropped"] += whole_seams(inside, types, type_cost)
-    inside, types = relabel(inside, flag_cost, type_cost)
+    counts["seams and slits made whole or dropped"] += unify_seams(inside, types, type_cost)
+    inside, types = minimise_energy(inside, flag_cost, type_cost)
     mended = replace(given, inside=inside, edge_type=types)
-    types, paper = mend_paper_cases(mended)
+    types, paper = repair_paper_cases(mended)
     counts |= paper
     deformation, filled = _fill_deformation(given, costs.deformation, inside, types)
     counts["deformations filled in"] = filled
@@ -159,7 +159,7 @@ def _fill_deformation(
     rest = np.zeros(vectors.shape[1:])
     rest[[0, 2], 0], rest[[1, 3], 1] = columns[None, :], rows[:, None]
     size = np.abs(vectors).sum(axis=(1, 2)) / np.abs(rest).sum(axis=(0, 1))
-    low, high = CELL_SIZE_LIMITS
+    low, high = CELL_SIZE_RANGE
     new = inside & ~given.inside & ((size < low) | (size > high))
     missing = new | (inside & (size == 0))
     count = int(missing.sum())

@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float, Int
 from garmentimage.geometry import connected_components
 from garmentimage.raster.cells import label_panels
 from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
-from garmentimage.raster.repair.labelling import CERTAIN_COST
+from garmentimage.raster.repair.labelling import MAX_COST
 
 LIKELY_WALL = 0.25
 """Probability from which a grid edge counts as a possible wall when regions are made."""
@@ -55,7 +55,7 @@ Wall = tuple[int, int, int]
 """(h, row, col) of a grid edge of one layer: h = 0 the bottom, 1 the left edge of the cell."""
 
 
-def whole_seams(inside: Flags, types: Types, cost: Costs) -> int:
+def unify_seams(inside: Flags, types: Types, cost: Costs) -> int:
     """Make each interface and each slit one type where that is cheaper than leaving it broken.
 
     Returns:
@@ -75,7 +75,7 @@ def whole_seams(inside: Flags, types: Types, cost: Costs) -> int:
         for (first, second), group in sorted(groups.items()):
             chains = _connected(group) if first == second else [group]
             for chain in chains:
-                changed += _settle(chain, types[layer], cost[layer], divides=first != second)
+                changed += _unify(chain, types[layer], cost[layer], divides=first != second)
     return changed
 
 
@@ -89,7 +89,7 @@ def _connected(walls: list[Wall]) -> list[list[Wall]]:
     return [[walls[k] for k in chain] for chain in connected_components(len(walls), joined)]
 
 
-def _settle(chain: list[Wall], types: np.ndarray, cost: np.ndarray, *, divides: bool) -> bool:
+def _unify(chain: list[Wall], types: np.ndarray, cost: np.ndarray, *, divides: bool) -> bool:
     """Give a chain one type if what stands against it is worth less than `RARE_COST`."""
     h, row, col = np.array(chain).T
     own = types[h, row, col]
@@ -104,17 +104,17 @@ def _settle(chain: list[Wall], types: np.ndarray, cost: np.ndarray, *, divides: 
     worth = (totals[k] - float(cost[h, own, row, col].sum())) / changes.sum()
     if worth >= RARE_COST:
         return False
-    _decide(chain, options[k], types, cost)
+    _fix_type(chain, options[k], types, cost)
     return True
 
 
-def _decide(walls: list[Wall], kind: int, types: np.ndarray, cost: np.ndarray) -> None:
+def _fix_type(walls: list[Wall], kind: int, types: np.ndarray, cost: np.ndarray) -> None:
     """Give grid edges of one layer a type for good."""
     h, row, col = np.array(walls).T
     types[h, row, col] = kind
     inner = np.array([_NON_BOUNDARY, _NON_STITCH, _SIDE_BY_SIDE])
     for other in inner[inner != kind]:
-        cost[h, other, row, col] = np.maximum(cost[h, other, row, col], CERTAIN_COST)
+        cost[h, other, row, col] = np.maximum(cost[h, other, row, col], MAX_COST)
     cost[h, kind, row, col] = 0.0
 
 
@@ -135,7 +135,7 @@ def merge_thin_regions(inside: Flags, types: Types, belief: Costs, cost: Costs) 
         extra = belief[layer, :, _NON_BOUNDARY] - belief[layer, :, _SIDE_BY_SIDE]
         while weak := _weak_seams(inside[layer], types[layer], extra):
             for walls in weak:
-                _decide(walls, _NON_BOUNDARY, types[layer], cost[layer])
+                _fix_type(walls, _NON_BOUNDARY, types[layer], cost[layer])
             merged += len(weak)
     return merged
 
@@ -178,7 +178,7 @@ def _are_thin(regions: Int[np.ndarray, "row col"], count: int) -> Bool[np.ndarra
     return is_band | _are_small(regions, count)
 
 
-def drop_lone_cells(
+def drop_isolated_regions(
     inside: Flags, types: Types, flag_cost: Float[np.ndarray, "2 layer row col"]
 ) -> int:
     """Drop small regions that are sewn to nothing beside them, where they are hardly believed.
@@ -197,7 +197,7 @@ def drop_lone_cells(
         for k in np.flatnonzero(_are_small(regions, count)).tolist():
             cells = regions == k
             if k not in near and worth[cells].mean() < RARE_COST:
-                flag_cost[1, layer][cells] = 2 * CERTAIN_COST
+                flag_cost[1, layer][cells] = 2 * MAX_COST
                 inside[layer][cells] = False
                 dropped += 1
     return dropped
@@ -222,7 +222,7 @@ def _interfaces(
     return found
 
 
-def without_flaps(image: GarmentImage) -> tuple[GarmentImage, int]:
+def remove_dangling_cuts(image: GarmentImage) -> tuple[GarmentImage, int]:
     """The image without cuts that end inside a panel and are not sewn to their own other side.
 
     Such a cut is `NON_STITCH` or `FRONT_TO_BACK`; it goes from its tip as far as another wall.
@@ -259,7 +259,7 @@ def _is_cut(types: np.ndarray) -> np.ndarray:
     return (types == _NON_STITCH) | (types == _FRONT_TO_BACK)
 
 
-def mend_paper_cases(
+def repair_paper_cases(
     image: GarmentImage,
 ) -> tuple[Types, dict[str, int]]:
     """The two invalid patterns that the paper mends.

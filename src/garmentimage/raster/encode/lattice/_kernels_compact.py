@@ -12,7 +12,7 @@ A quadratic programming procedure, 1957), until no variable moves by more than T
 import numpy as np
 from numba import njit
 
-from garmentimage.geometry import merge, root_of
+from garmentimage.geometry import find_root, union
 
 MAX_SWEEPS = 400
 TOLERANCE = 1e-4
@@ -47,13 +47,13 @@ def number_variables(flat, lens, tail, head, nodes, along):
                 out[at + k] = head[i]
                 # A last step across puts the vertex before the node on the line of the node.
                 if is_across:
-                    merge(parent, head[i], out[at + k - 1])
+                    union(parent, head[i], out[at + k - 1])
             else:
                 # A step across the axis keeps the coordinate, and with it the variable.
                 out[at + k] = out[at + k - 1] if is_across else nodes + at + k
         at += lens[i]
     for v in range(len(flat)):
-        out[v] = root_of(parent, out[v])
+        out[v] = find_root(parent, out[v])
     return out
 
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from garmentimage.geometry import drop_first, push
+from garmentimage.geometry import heap_pop, heap_push
 from garmentimage.raster.encode.lattice._kernels_route import FAR, distance_field
 
 NODE_PULL = 4.0
@@ -345,7 +345,7 @@ def _cheapest_path(graph, lattice, state, arc, limit):
     cap = MAX_LENGTH - 1
     while size > 0:
         key, here = keys[0], items[0]
-        size = drop_first(keys, items, size)
+        size = heap_pop(keys, items, size)
         if key > cost[here] or key >= best:
             continue
         vertex, length = here // MAX_LENGTH, here % MAX_LENGTH
@@ -369,7 +369,7 @@ def _cheapest_path(graph, lattice, state, arc, limit):
             if total < cost[index] - 1e-12 and size < len(keys):
                 cost[index] = total
                 previous[index] = here
-                size = push(keys, items, size, total, index)
+                size = heap_push(keys, items, size, total, index)
     if best_state < 0:
         return 0
     return _traced(goal, best_state, previous, found)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from garmentimage.geometry import drop_first, push
+from garmentimage.geometry import heap_pop, heap_push
 
 WRONG_TURN = 30.0
 """Cost of leaving a node in another direction than the cyclic order wants."""
@@ -248,7 +248,7 @@ def _shortest(start, goal, arc, net, traffic, price, search):
     keys[0], items[0], size = 0.0, start, 1
     while size > 0:
         key, vertex = keys[0], items[0]
-        size = drop_first(keys, items, size)
+        size = heap_pop(keys, items, size)
         if key > cost[vertex]:
             continue
         if vertex == goal:
@@ -273,7 +273,7 @@ def _shortest(start, goal, arc, net, traffic, price, search):
                 cost[other] = total
                 previous[other] = vertex
                 if size < len(keys):
-                    size = push(keys, items, size, total, other)
+                    size = heap_push(keys, items, size, total, other)
     return 0 if cost[goal] >= FAR * FAR else _trace_back(goal, previous, found)
 
 

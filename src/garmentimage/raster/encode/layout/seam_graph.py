@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from garmentimage.errors import EncodeError
-from garmentimage.geometry import merge, polyline_length, root_of
+from garmentimage.geometry import find_root, polyline_length, union
 from garmentimage.raster.encode.placement import GENERIC_SLOPE, Placed, PlacedPanel, PlacedSeam
 from garmentimage.raster.encode.split import cut_polyline
 from garmentimage.raster.image import EdgeType
@@ -106,9 +106,9 @@ def _merged_corners(placed: Placed) -> dict[Side, tuple[int, int]]:
     for seam in placed.seams:
         first, second = ends[seam.a], ends[seam.b]
         for mine, theirs in zip(first, second[::-1] if seam.crossed else second, strict=True):
-            merge(parent, number[mine], number[theirs])
+            union(parent, number[mine], number[theirs])
     return {
-        side: (root_of(parent, number[first]), root_of(parent, number[last]))
+        side: (find_root(parent, number[first]), find_root(parent, number[last]))
         for side, (first, last) in ends.items()
     }
 

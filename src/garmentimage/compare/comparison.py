@@ -54,7 +54,9 @@ class RoundtripResult:
     """Largest difference of a stitched length [cm]; None where the stitch graphs differ."""
 
 
-def judge(original: Pattern, decoded: Pattern, *, any_pose: bool = False) -> RoundtripResult:
+def compare_patterns(
+    original: Pattern, decoded: Pattern, *, any_pose: bool = False
+) -> RoundtripResult:
     """Whether `decoded` is the pattern `original`, and how near it comes.
 
     Success: as many panels, each with IoU >= `SUCCESS_IOU`, the same stitch graph, and no fault
