@@ -7,6 +7,7 @@ path, reported in one sentence, and nothing is written; 3 a bug of ours; 130 sto
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -39,7 +40,7 @@ VERBS: Mapping[str, Sequence[str]] = MappingProxyType(
             "latent:generate",
             "latent:nearest",
         ),
-        "Networks": ("train:train", "evaluate:evaluate"),
+        "Train and evaluate": ("train:train", "evaluate:evaluate"),
         "Shell": ("usage:completion",),
     }
 )
@@ -89,6 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return Exit.BUG
 
 
+@cache
 def command_line() -> "App":
     """All verbs; the module of each is loaded when it is called."""
     from cyclopts import Group

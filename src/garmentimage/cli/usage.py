@@ -100,14 +100,14 @@ def _reason(error: CycloptsError) -> str:
                 word, known
             )
         case UnknownOptionError():
-            word = error.token.keyword or error.token.value
-            known = [n for each in error.argument_collection for n in each.names if n[:1] == "-"]
-            return f"there is no option {quoted(word)}" + _near(word, known, most=0)
+            return _unknown_option(error.token.keyword or error.token.value, error)
         case UnusedCliTokensError():
             assert error.unused_tokens
             return f"{quoted(error.unused_tokens[0])} is one argument too many"
         case RepeatArgumentError():
             return f"{error.token.keyword} is given twice"
+        case MissingArgumentError() if word := _unknown(error):
+            return _unknown_option(word, error)  # the missing one, mistyped
         case MissingArgumentError():
             has_no_value = error.keyword is not None or error.tokens_so_far
             return f"{_name(error)} {'has no value' if has_no_value else 'is missing'}"
@@ -118,6 +118,23 @@ def _reason(error: CycloptsError) -> str:
             shown = quoted(value) if isinstance(value, str) else f"{value:.6g}"
             return f"{_name(error)} is {shown}; {error.exception_message}"
     return one_line(error).rstrip(".").replace(". ", "; ")
+
+
+def _unknown(error: CycloptsError) -> str:
+    """The first option among the words left that the verb does not have; empty if it has all."""
+    known = _options(error)
+    words = [word.partition("=")[0] for word in error.unused_tokens or ()]
+    return next((word for word in words if word[:2] == "--" and word not in known), "")
+
+
+def _unknown_option(word: str, error: CycloptsError) -> str:
+    return f"there is no option {quoted(word)}" + _near(word, _options(error), most=0)
+
+
+def _options(error: CycloptsError) -> list[str]:
+    """Names of all options of the verb that is called."""
+    assert error.app is not None
+    return [name for each in error.app.assemble_argument_collection() for name in each.names]
 
 
 def _invalid(error: CoercionError) -> str:
