@@ -1,4 +1,4 @@
-"""Networks on disk: the same with torch and without, and a sentence for what is no network."""
+"""Networks on disk: the same with torch and without, and a sentence for invalid files."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Training: the same for a seed, gone on with after a stop, and honest about what went wrong."""
+"""Training: the same for a seed, resumed after a stop, with errors that name what went wrong."""
 
 import json
 import pickle

@@ -62,7 +62,7 @@ def test_a_turned_photograph_stands_upright(tmp_path):
 def test_what_is_no_picture_is_told_in_a_sentence(tmp_path):
     text = tmp_path / "text.png"
     text.write_text("no picture")
-    with pytest.raises(LearnError, match=r"text\.png: is no picture that can be read"):
+    with pytest.raises(LearnError, match=r"text\.png: is not a picture that can be read"):
         read_photo(text)
     whole = saved(tmp_path, Image.fromarray(figure()), "whole.png").read_bytes()
     (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
@@ -173,7 +173,7 @@ def test_a_strip_is_too_thin_to_show_someone(tmp_path):
 
 def test_a_file_that_never_ends_is_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe.png")
-    with pytest.raises(LearnError, match=r"pipe\.png: is no ordinary file"):
+    with pytest.raises(LearnError, match=r"pipe\.png: is not an ordinary file"):
         read_photo(tmp_path / "pipe.png")
 
 

@@ -126,7 +126,7 @@ def test_a_bad_picture_does_not_stop_the_others(made, tmp_path, capsys):
     said = capsys.readouterr()
     told = json.loads(said.out)
     assert [each["name"] for each in told["garments"]] == ["one", "two"]
-    assert told["errors"][0]["image"] == paths[1] and "bad.png: is no picture" in said.err
+    assert told["errors"][0]["image"] == paths[1] and "bad.png: is not a picture" in said.err
 
 
 def test_a_picture_is_never_written_over(made, tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""Ways through a latent space: between two garments, along an edit, and at random (Section 4.1)."""
+"""Operations in a latent space: interpolation, edits, sampling, neighbours (paper, Section 4.1)."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,14 +16,16 @@ from garmentimage.raster import GarmentImage
 from garmentimage.system import did_you_mean
 
 STEPS = 9
+"""Garments of an interpolation."""
 REPROJECTIONS = 2
-"""Times that an edited garment is decoded and encoded again; chosen on validation garments."""
+"""Times that an edited garment is reprojected; chosen on validation garments."""
 MAX_REPROJECTIONS = 20
 STEP_LIMITS = (2, 200)
+"""Fewest and most garments of an interpolation."""
 MAX_GARMENTS = 200
-"""That are drawn at a time."""
+"""Of one call."""
 MAX_DRAWS = 20
-"""A garment that is rejected so often is given up."""
+"""Draws of a garment; the last is taken as it is."""
 
 STRENGTHS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0)
 """Of an edit: the first that changes the topology is taken, where the edit should change it; chosen
@@ -34,22 +36,22 @@ Source = Pattern | GarmentImage
 
 
 class Editable(Protocol):
-    """What has points that are garments."""
+    """A space whose latent vectors are garments."""
 
     def reproject(self, z: Latent, times: int) -> Latent:
-        """A point decoded and encoded again so many times."""
+        """See `LatentSpace.reproject`."""
 
     def decode(self, z: Latent) -> DecodedGarment:
-        """The garment at a point."""
+        """The garment of a latent vector."""
 
 
 @dataclass(frozen=True)
 class EditedGarment:
-    """A garment that was edited."""
+    """The result of an edit."""
 
     garment: DecodedGarment
     strength: float
-    """Times B - A was added."""
+    """Factor of B - A."""
 
     @property
     def title(self) -> str:
@@ -60,11 +62,10 @@ class EditedGarment:
 def interpolate(
     space: LatentSpace, a: Source, b: Source, steps: int = STEPS
 ) -> list[DecodedGarment]:
-    """Garments on the straight way from `a` to `b`, both ends among them.
+    """Garments at equal distances on the straight line from `a` to `b`, both included.
 
     Raises:
-        LearnError: a number of steps out of `STEP_LIMITS`, or a garment that the network does
-            not take.
+        LearnError: steps outside `STEP_LIMITS`, or a garment that the network does not take.
     """
     check_type(space, LatentSpace, "LatentSpace.load(name) gives one")
     low, high = STEP_LIMITS
@@ -83,12 +84,11 @@ def transfer(
     reprojections: int = REPROJECTIONS,
     strengths: Sequence[float] = STRENGTHS,
 ) -> EditedGarment:
-    """What `c` becomes by the edit that makes `b` of `a`; see `edit`.
+    """Apply to `c` the edit that turns `a` into `b`; see `edit`.
 
     Raises:
-        LearnError: `reprojections` out of 0 to `MAX_REPROJECTIONS`, no strengths, or a garment that
-        the network
-            does not take.
+        LearnError: `reprojections` outside 0 to `MAX_REPROJECTIONS`, strengths outside 0 to
+            `MAX_STRENGTH` or none, or a garment that the network does not take.
     """
     check_type(space, LatentSpace, "LatentSpace.load(name) gives one")
     strengths = tuple(strengths)
@@ -113,44 +113,50 @@ def edit(
     reprojections: int = REPROJECTIONS,
     strengths: Sequence[float] = STRENGTHS,
 ) -> EditedGarment:
-    """C + s (B - A), settled, by the least strength s that makes another garment of C.
+    """Latent arithmetic: C + s (B - A), reprojected, with the first strength s that changes C.
 
-    Where A and B have the same topology the first strength is enough, and so it is where no
-    strength changes that of C. `reprojections=0, strengths=[1]` is the arithmetic of the paper.
+    The first strength is also taken where A and B have the same topology, and where no strength
+    gives C another topology. `reprojections=0, strengths=[1]` is the arithmetic of the paper.
 
     Args:
         space: the network.
-        a: latent vector of a garment without what is added.
-        b: of the same with it.
-        c: of the garment that it is added to.
-        reprojections: times that a sum is decoded and encoded again (`LatentSpace.reproject`).
+        a: latent vector of a garment without a feature.
+        b: of the same garment with it.
+        c: of the garment that the feature is added to.
+        reprojections: of every sum (`LatentSpace.reproject`).
         strengths: those to try, in this order.
     """
-    tried = (
+    attempts = (
         EditedGarment(
             space.decode(space.reproject((c + s * (b - a)).astype(np.float32), reprojections)), s
         )
         for s in strengths
     )
-    first = next(tried)
+    first = next(attempts)
     if len(strengths) == 1 or _topology(space.decode(a)) == _topology(space.decode(b)):
         return first
     unchanged = ("", _topology(space.decode(c)))
-    while_same = (each for each in (first, *tried) if _topology(each.garment) not in unchanged)
-    return next(while_same, first)
+    changed = (each for each in (first, *attempts) if _topology(each.garment) not in unchanged)
+    return next(changed, first)
 
 
 def generate(
     space: LatentSpace, count: int, seed: int = 0, *, type_name: str | None = None
 ) -> Iterator[DecodedGarment]:
-    """New garments, each like those of one type, drawn from the normal distribution of its latents.
+    """New garments, sampled from a normal distribution of the latent vectors of a type.
 
-    Each is settled, and drawn again where it is no valid garment, or has another topology than the
-    nearest garment of its type that the network knows. Garment k of a seed is the same however many
-    are drawn.
+    Each sample is reprojected, and drawn again where it is not valid or where its topology differs
+    from that of the nearest stored garment of its type. Garment k of a seed does not depend on
+    `count`.
+
+    Args:
+        space: the network.
+        count: how many.
+        seed: of the samples.
+        type_name: garment type; None draws a type for each.
 
     Raises:
-        LearnError: there is no such type, or a number that will not do.
+        LearnError: there is no such type, or `count` or `seed` is out of its range.
     """
     types = tuple(sorted(set(space.garments.types)))
     if type_name is not None and type_name not in types:
@@ -164,46 +170,59 @@ def generate(
     for number in range(count):
         random = np.random.default_rng([seed, number])
         name = type_name or types[int(random.integers(len(types)))]
-        here = space.garments.latents[[each == name for each in space.garments.types]]
-        for _ in range(MAX_DRAWS):
-            step = space.decode(space.reproject(_drawn(here, random), REPROJECTIONS))
-            known = here[np.linalg.norm(here - step.z, axis=1).argmin()]
-            if not step.faults and _topology(step) == _topology(space.decode(known)):
-                break
-        yield step
+        stored = space.garments.latents[[each == name for each in space.garments.types]]
+        yield _sampled(space, stored, random)
+
+
+def _sampled(
+    space: LatentSpace, stored: Float32[np.ndarray, "n latent"], random: np.random.Generator
+) -> DecodedGarment:
+    """The first valid sample of `MAX_DRAWS`, or the last."""
+    for _ in range(MAX_DRAWS):
+        garment = space.decode(space.reproject(_normal_sample(stored, random), REPROJECTIONS))
+        neighbour = stored[np.linalg.norm(stored - garment.z, axis=1).argmin()]
+        if not garment.faults and _topology(garment) == _topology(space.decode(neighbour)):
+            break
+    return garment
 
 
 def nearest(space: LatentSpace, source: Source, count: int = 5) -> list[tuple[str, float, Pattern]]:
-    """The nearest garments that the network was trained on, among those that it knows by heart.
+    """The nearest training garments, among those that the network stores.
 
     Returns:
-        Id of the row, distance in the latent space, and the garment itself, drafted again.
+        Id of the row, distance in the latent space, and the garment, drafted again.
+
+    Raises:
+        LearnError: `count` is less than 1 or more than are stored.
     """
     if not 1 <= count <= len(space.garments.ids):
         raise LearnError(f"{count} garments; give 1 to {len(space.garments.ids)}")
-    apart = np.linalg.norm(space.garments.latents - space.encode(source), axis=1)
-    found = np.argsort(apart, kind="stable")[:count]
-    chosen = load_recipe(str(space.config["recipe"]))
+    distances = np.linalg.norm(space.garments.latents - space.encode(source), axis=1)
+    nearest_first = np.argsort(distances, kind="stable")[:count]
+    recipe = load_recipe(str(space.config["recipe"]))
     return [
         (
             space.garments.ids[k],
-            float(apart[k]),
+            float(distances[k]),
             draft_garment(
-                task_from_id(chosen, space.garments.ids[k], int(space.config["seed"]))
+                task_from_id(recipe, space.garments.ids[k], int(space.config["seed"]))
             ).pattern,
         )
-        for k in found
+        for k in nearest_first
     ]
 
 
-def _topology(step: DecodedGarment) -> str:
-    return topology_or_empty(step.pattern) if step.pattern is not None else ""
+def _topology(garment: DecodedGarment) -> str:
+    return topology_or_empty(garment.pattern) if garment.pattern is not None else ""
 
 
 def _between(start: Latent, end: Latent, share: float) -> Latent:
     return ((1 - share) * start + share * end).astype(np.float32)
 
 
-def _drawn(here: Float32[np.ndarray, "n latent"], random: np.random.Generator) -> Latent:
-    spread = np.linalg.cholesky(np.cov(here.T) + 1e-6 * np.eye(here.shape[1]))
-    return (here.mean(0) + spread @ random.standard_normal(here.shape[1])).astype(np.float32)
+def _normal_sample(latents: Float32[np.ndarray, "n latent"], random: np.random.Generator) -> Latent:
+    """A sample of the normal distribution with the mean and covariance of these vectors."""
+    size = latents.shape[1]
+    # A little variance everywhere, as the covariance of few vectors is singular.
+    root = np.linalg.cholesky(np.cov(latents.T) + 1e-6 * np.eye(size))
+    return (latents.mean(0) + root @ random.standard_normal(size)).astype(np.float32)

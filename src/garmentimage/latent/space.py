@@ -1,8 +1,8 @@
-"""A latent space: a trained network that turns images into short vectors and back.
+"""A latent space: a trained VAE between GarmentImages and short vectors.
 
-A space is a folder: `config.json` (what the network was made for), `encoder.onnx` and
-`decoder.onnx` (channels to latent vectors and back, see `GarmentImage.to_channels`), and
-`garments.npz` (the latent vectors of some training garments, with the ids of their rows).
+A space is a folder: `config.json` (sizes and training data), `encoder.onnx` and `decoder.onnx`
+(channels to latent vectors and back, see `GarmentImage.to_channels`), and `garments.npz` (latent
+vectors of some training garments, with the ids of their rows).
 """
 
 from copy import copy
@@ -44,11 +44,11 @@ MIN_RECONSTRUCTION_IOU = 0.85
 """Garments whose panels are reconstructed with a lower mean IoU are out of distribution."""
 
 SYMMETRY_TOLERANCE_CM = 0.5
-"""Edge vectors on the left and on the right of an even garment differ by less [cm]."""
+"""An image is symmetric where its edge vectors differ by less from its mirror image's [cm]."""
 MAX_EDGE_CM = 1000.0
-"""A cell's edge is no longer on a flat panel [cm]."""
+"""Longest edge vector of a cell that is accepted [cm]."""
 MIN_GARMENTS_PER_TYPE = 2
-"""KnownGarments of each type that a space knows."""
+"""Fewest stored garments of each type: a normal distribution needs two."""
 
 
 @dataclass(frozen=True)
@@ -56,18 +56,21 @@ class KnownGarments:
     """Some garments of the training set."""
 
     ids: tuple[str, ...]
+    """Of their rows in the dataset."""
     types: tuple[str, ...]
+    """Garment types."""
     latents: Float32[np.ndarray, "n latent"]
+    """Means of the encoder's posterior."""
 
 
 class LatentSpace:
-    """A trained network and the garments that it was trained on.
+    """A trained VAE, and some of its training garments.
 
     Args:
-        folder: where its files are.
+        folder: of its files.
 
     Raises:
-        LearnError: they are not, or were made for other channels than this version has.
+        LearnError: a file is missing or damaged, or was made for another channel layout.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -76,16 +79,14 @@ class LatentSpace:
         recipe, seed = self.config.get("recipe"), self.config.get("seed")
         if not isinstance(recipe, str) or type(seed) is not int or not 0 <= seed < 2**63:
             raise damaged_file(self.folder / CONFIG_FILE)
-        self.is_symmetric = (
-            False  # whether all its garments are as their mirror images, see `symmetrised_for`
-        )
+        self.is_symmetric = False  # whether decoded images are symmetrised, see `symmetrised_for`
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT_SPACE) -> "LatentSpace":
-        """A space that comes with the package, by name, or one in a folder.
+        """A bundled space, by name, or one in a folder.
 
         Raises:
-            LearnError: there is none of that name, and no such folder.
+            LearnError: there is no bundled space of that name, and no such folder.
         """
         return cls(network_folder(name, space_names(), "latent space"))
 
@@ -96,7 +97,7 @@ class LatentSpace:
 
     @property
     def latent(self) -> int:
-        """Numbers of a latent vector."""
+        """Length of a latent vector."""
         return int(self.config["latent"])
 
     def encode(self, source: Pattern | GarmentImage) -> Latent:
@@ -109,10 +110,10 @@ class LatentSpace:
         return self.encode_channels(self.image(source).to_channels()[None])[0]
 
     def image(self, source: Pattern | GarmentImage) -> GarmentImage:
-        """A garment as this network sees it.
+        """The image of a garment, checked as input of this network.
 
         Raises:
-            LearnError: an image of another grid, of more than one cloth layer, or of no garment.
+            LearnError: an image of another grid, of more than one cloth layer, or without cloth.
             EncodeError: a pattern that does not fit the grid.
         """
         if not isinstance(source, Pattern | GarmentImage):
@@ -137,21 +138,20 @@ class LatentSpace:
     def encode_channels(
         self, channels: Float32[np.ndarray, "n 34 row col"]
     ) -> Float32[np.ndarray, "n latent"]:
-        """Latent vectors of images."""
+        """Latent vectors of images: means of the encoder's posterior."""
         return run_session(self._encoder, self.folder / ENCODER_FILE, channels)
 
     def decode_channels(
         self, z: Float32[np.ndarray, "n latent"]
     ) -> Float32[np.ndarray, "n 34 row col"]:
-        """Images of latent vectors: probabilities, and vectors in cm, not repaired."""
+        """Channels of latent vectors: probabilities, and vectors in cm, not repaired."""
         channels = run_session(self._decoder, self.folder / DECODER_FILE, z)
         return (channels + mirrored_channels(channels)) / 2 if self.is_symmetric else channels
 
     def symmetrised_for(self, image: GarmentImage) -> "LatentSpace":
-        """The same space, in which what comes of an even garment is even.
+        """The same space, whose decoded images are symmetric if this image is.
 
-        Even is what is as its mirror image: there each image that the network gives and its mirror
-        image are averaged.
+        Decoded images are then averaged with their mirror images.
         """
         channels = image.to_channels()[None]
         found = copy(self)
@@ -161,20 +161,28 @@ class LatentSpace:
         return found
 
     def reproject(self, z: Latent, times: int) -> Latent:
-        """Where a point ends that is decoded and encoded again so many times, 0 or more.
+        """Project a latent vector onto the garments of the network, by decoding and encoding it.
 
-        Each time brings it nearer to garments that the network knows: what does not go together
-        in its image is not seen by the encoder.
+        Each time brings it nearer to the training garments: inconsistencies of the decoded image
+        are lost in the encoder.
+
+        Args:
+            z: the latent vector.
+            times: how often, 0 or more.
         """
         for _ in range(times):
             z = self.encode_channels(self.decode_channels(z[None]))[0]
         return z
 
     def decode(self, z: Latent, *, repair_level: RepairLevel = "full") -> DecodedGarment:
-        """The garment at a point of the space, repaired, decoded and checked.
+        """The garment of a latent vector, repaired, decoded and checked.
+
+        Args:
+            z: the latent vector.
+            repair_level: how much of the decoded image is repaired.
 
         Raises:
-            LearnError: a latent vector of another size, or with a number that is none.
+            LearnError: a latent vector of another length, or with NaN or infinite values.
         """
         if np.shape(z) != (self.latent,) or not np.isfinite(z).all():
             raise LearnError(
@@ -183,10 +191,10 @@ class LatentSpace:
         return decoded_garment(z, self.decode_channels(z[None])[0], repair_level)
 
     def locate(self, source: Pattern | GarmentImage) -> DecodedGarment:
-        """A garment as it is, where the network sees it.
+        """A garment unchanged, with its latent vector.
 
         Raises:
-            LearnError: an image that this network does not take, or that is no garment.
+            LearnError: an image that this network does not take, or that cannot be decoded.
         """
         image = self.image(source)
         try:
@@ -198,12 +206,12 @@ class LatentSpace:
         )
 
     def out_of_distribution(self, given: DecodedGarment) -> str:
-        """How a garment comes back otherwise than it was; empty where it does not.
+        """How a garment's reconstruction differs from it; empty where it does not.
 
-        A network has seen little that is like a garment that comes back with other seams, or with
-        panels whose mean IoU is below `MIN_RECONSTRUCTION_IOU`.
+        Garments that are reconstructed with other seams, or with a mean IoU of panels below
+        `MIN_RECONSTRUCTION_IOU`, are unlike the training set.
         """
-        assert given.pattern is not None  # `given` has one
+        assert given.pattern is not None  # `locate` sets it
         again = self.decode(given.z).pattern
         if again is None:
             return "it comes back as no garment"
@@ -220,7 +228,7 @@ class LatentSpace:
 
     @cached_property
     def garments(self) -> KnownGarments:
-        """Some garments that it was trained on."""
+        """Some of its training garments."""
         try:
             with np.load(self.folder / GARMENTS_FILE, allow_pickle=False) as file:
                 ids, types, latents = (file[name] for name in ("ids", "types", "latents"))
@@ -253,5 +261,5 @@ class LatentSpace:
 
 
 def space_names() -> tuple[str, ...]:
-    """Names of the latent spaces that come with the package."""
+    """Names of the bundled latent spaces."""
     return bundled_names(DECODER_FILE)

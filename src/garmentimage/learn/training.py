@@ -82,7 +82,7 @@ def train(
     folder: Path,
     settings: TrainingSettings,
     facts: Mapping[str, Any],
-    progress: Callable[[dict[str, float]], None] = lambda line: None,
+    progress: Callable[[dict[str, float]], None] = lambda _: None,
 ) -> TrainingResult:
     """Train a network, or resume its run.
 

@@ -50,7 +50,7 @@ def load_weights(kind: type[Model], folder: str | Path) -> Model:
             )
     except LearnError as error:
         raise LearnError(f"{shown_path(folder)}: {error}") from None
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001  four libraries have errors of their own
         raise LearnError(
             f"{shown_path(folder)}: holds no {kind.__name__} that can be read "
             f"({type(error).__name__}); get it again"

@@ -1,4 +1,4 @@
-"""Networks in use, without torch: ONNX files run, and the garments that they give."""
+"""Networks in use, without torch: ONNX files, and the garments of their output."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""The garment that a network gives: its channels repaired, decoded and checked."""
+"""Output of a network as a garment: channels repaired, decoded and checked."""
 
 from dataclasses import dataclass
 
@@ -17,27 +17,29 @@ Latent = Float32[np.ndarray, "latent"]
 
 @dataclass(frozen=True)
 class DecodedGarment:
-    """A point of a latent space, and what garment it is."""
+    """A garment that a network predicted or decoded."""
 
     z: Latent
+    """Its latent vector; empty where it has none."""
     image: GarmentImage | None
-    """Repaired; None where the network makes no images."""
+    """Repaired; None where the network does not predict images."""
     repairs: RepairReport | None
+    """What was repaired; None where nothing was to be repaired."""
     pattern: Pattern | None
-    """None where no garment can be read from the image."""
+    """None where the image cannot be decoded."""
     faults: tuple[str, ...]
-    """Why it cannot be cut and sewn; empty where it can."""
+    """Why the pattern cannot be cut and sewn; empty where it can."""
 
 
 def decoded_garment(
     z: Latent, channels: Float32[np.ndarray, "34 row col"], repair_level: RepairLevel
 ) -> DecodedGarment:
-    """The garment of an image that need not be a garment, repaired, decoded and checked.
+    """Repair, decode and check the output of a network, which may be any image.
 
     Args:
-        z: its latent vector, if it has one.
-        channels: its flags and edge types as shares.
-        repair_level: how much of it is mended.
+        z: its latent vector; empty if it has none.
+        channels: its flags and edge types as probabilities, its edge vectors in cm.
+        repair_level: how much is repaired.
     """
     image, repairs = repair(channels, level=repair_level, kind="shares")
     try:
@@ -48,5 +50,5 @@ def decoded_garment(
 
 
 def topology_or_empty(pattern: Pattern) -> str:
-    """See `topology_hash`; empty where panels or stitches are at fault."""
+    """The `topology_hash` of a pattern; empty where its structure is invalid."""
     return "" if structure_faults(pattern) else topology_hash(stitch_graph(pattern))

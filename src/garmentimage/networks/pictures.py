@@ -1,4 +1,4 @@
-"""Pictures of a way through a latent space: a strip of all steps, and a film of them."""
+"""Pictures of a sequence of garments: a strip side by side, and an animation."""
 
 import io
 from collections.abc import Sequence
@@ -20,46 +20,44 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMN_IN, PATTERN_IN, RASTER_IN, WORN_IN, TITLE_IN = 2.5, 2.4, 1.7, 2.5, 0.5
-"""Sizes of a step's drawings [inch]."""
+"""Sizes of a frame's drawings [inch]."""
 DPI = 100
 WORN_PIXELS = 320
 FRAME_MS, END_FRAME_MS = 350, 1200
-"""How long a frame of the film stands, and the first and last."""
+"""How long the animation shows a frame, and the first and last [ms]."""
 WARNING_COLOUR = "#b3261e"
 ONE_COLOUR = Look(colours=dict.fromkeys(PAPER_COLOURS, "lightblue"))
-"""Whatever a panel is called: the same cloth on the whole way."""
+"""One colour for all panels, so that frames differ in shape only."""
 
 
 @dataclass(frozen=True)
 class StripFrame:
-    """A step with how it is worn."""
+    """A garment of a sequence, and how it is worn."""
 
     title: str
+    """Above its drawings."""
     garment: DecodedGarment
     worn: DrapedGarment | None
-    """None where it cannot be draped."""
+    """None where it was not draped."""
     faults: tuple[str, ...]
     """Why it cannot be sewn or worn; empty where it can."""
     picture: UInt8[np.ndarray, "row col 3"] | None = None
-    """What is drawn where it is not draped."""
+    """Drawn where it was not draped."""
 
 
-def draped_frame(title: str, step: DecodedGarment) -> StripFrame:
-    """A step, draped on the default body."""
-    if step.faults or step.pattern is None:
-        return StripFrame(title, step, None, step.faults)
+def draped_frame(title: str, garment: DecodedGarment) -> StripFrame:
+    """A garment, draped on the default body where it is valid."""
+    if garment.faults or garment.pattern is None:
+        return StripFrame(title, garment, None, garment.faults)
     try:
-        worn = drape_pattern(step.pattern)
+        worn = drape_pattern(garment.pattern)
     except GarmentImageError as error:
-        return StripFrame(title, step, None, (str(error),))
-    return StripFrame(title, step, worn, worn.report.faults)
+        return StripFrame(title, garment, None, (str(error),))
+    return StripFrame(title, garment, worn, worn.report.faults)
 
 
 def strip(columns: Sequence[StripFrame]) -> UInt8[np.ndarray, "row col 3"]:
-    """All steps beside each other, at one scale: pattern, raster, and worn.
-
-    What is wrong with one is told in red.
-    """
+    """Frames side by side, at one scale: pattern, raster, and worn; faults in red."""
     from matplotlib.figure import Figure
     from PIL import Image
 
@@ -80,7 +78,7 @@ def side_by_side(
     picture: UInt8[np.ndarray, "row col 3"],
     columns: UInt8[np.ndarray, "row col 3"],
 ) -> UInt8[np.ndarray, "row col 3"]:
-    """A picture to the left of a strip, as wide as a column, beside what is worn.
+    """A picture to the left of a strip, as wide as a frame, beside the worn garments.
 
     Args:
         picture: square.
@@ -96,7 +94,7 @@ def side_by_side(
 
 
 def animation(columns: Sequence[StripFrame]) -> bytes:
-    """The steps one after another and back again, as an animated GIF."""
+    """The frames one after another and back again, as an animated GIF."""
     from PIL import Image
 
     frames = [Image.fromarray(strip([column])) for column in columns]

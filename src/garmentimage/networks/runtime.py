@@ -1,4 +1,4 @@
-"""Networks in folders, `config.json` and ONNX files, read with distrust and run on one core."""
+"""Networks in folders, `config.json` and ONNX files: read with checks, and run on one core."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -13,22 +13,27 @@ from garmentimage.raster import CHANNEL_CONTRACT
 from garmentimage.system import did_you_mean, shown_path
 
 WEIGHTS_FOLDER = Path(str(files("garmentimage") / "weights"))
-"""Where networks lie that come with the package."""
+"""Folder of the bundled networks."""
 CONFIG_FILE = "config.json"
 MAX_VALUE = 1e6
-"""No number of a network's is as large."""
+"""Output with larger numbers is invalid."""
 
 
 def bundled_names(file: str) -> tuple[str, ...]:
-    """Names of the networks that come with the package and have this file."""
+    """Names of the bundled networks that have this file."""
     return tuple(sorted(found.parent.name for found in WEIGHTS_FOLDER.glob(f"*/{file}")))
 
 
 def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
-    """Where a network is that comes with the package, by name, or one in a folder.
+    """The folder of a bundled network, by name, or of another.
+
+    Args:
+        name: of a bundled network, or a folder.
+        known: names of bundled networks.
+        what: the kind of network, for messages.
 
     Raises:
-        LearnError: there is none of that name, and no such folder.
+        LearnError: there is no bundled network of that name, and no such folder.
     """
     if str(name) in known:
         return WEIGHTS_FOLDER / str(name)
@@ -38,33 +43,33 @@ def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
         is_folder = False
     if is_folder:
         return Path(name)
-    ways = f"{did_you_mean(str(name), known)}, or " if known else ""
-    raise LearnError(f"there is no {what} {quoted(str(name))}; {ways}name the folder of one")
+    hint = f"{did_you_mean(str(name), known)}, or " if known else ""
+    raise LearnError(f"there is no {what} {quoted(str(name))}; {hint}name the folder of one")
 
 
 def check_contract(config: Mapping[str, Any], where: str | Path) -> None:
-    """Refuse a network that was made for other channels than this version has.
+    """Refuse a network that was made for another channel layout than this version's.
 
     Raises:
-        LearnError: says so.
+        LearnError: it was.
     """
     found = config.get("channels_contract")
     if found != CHANNEL_CONTRACT:
         raise LearnError(
             f"{shown_path(where)}: was made for channels {quoted(str(found))}, and this version "
-            f"has {CHANNEL_CONTRACT!r}; train it again, or use the version that it came with"
+            f"has {CHANNEL_CONTRACT!r}; train it again, or use the version that trained it"
         )
 
 
 def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
-    """What a network in a folder was made for.
+    """The configuration of a network.
 
     Args:
-        folder: the network.
-        sizes: names of whole numbers that its configuration must have.
+        folder: of the network.
+        sizes: names of the whole numbers that it must have.
 
     Raises:
-        LearnError: there is none, or it was made for other channels than this version has.
+        LearnError: it is missing, damaged, or of another channel layout.
     """
     file = folder / CONFIG_FILE
     try:
@@ -85,14 +90,14 @@ def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
 
 
 def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:
-    """The network in a file, to be run on one core.
+    """Open an ONNX file, to run on one core.
 
     Args:
         file: ONNX.
-        sizes: by name, the shape of an example of what it takes, and then of what it gives.
+        sizes: shapes of an example by name, of its input, then of its output.
 
     Raises:
-        LearnError: the file cannot be read, or holds no network of these sizes.
+        LearnError: the file cannot be read, or holds no network of these shapes.
     """
     import onnxruntime
 
@@ -101,7 +106,7 @@ def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:
     options.log_severity_level = 4
     try:
         raw = file.read_bytes()
-        if b"location" in raw:  # the word by which weights in other files are named
+        if b"location" in raw:  # the key that names weights in other files, which are refused
             raise ValueError
         session = onnxruntime.InferenceSession(raw, options, providers=["CPUExecutionProvider"])
         takes, gives = session.get_inputs(), session.get_outputs()
@@ -112,31 +117,36 @@ def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:
         return session
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
-    except Exception as error:  # onnxruntime has no base class of its own for its errors.
+    except Exception as error:  # onnxruntime's errors have no base class
         raise damaged_file(file) from error
 
 
 def _has_shape(found: Any, size: Sequence[int]) -> bool:
-    """Whether an input or output takes any number of examples of a size."""
+    """Whether an input or output is a batch of any size of examples of this shape."""
     count, *rest = found.shape
     return (
         found.type == "tensor(float)"
         and type(count) is not int
         and len(rest) == len(size)
-        and all(type(n) is not int or n == m for n, m in zip(rest, size))
+        and all(type(n) is not int or n == m for n, m in zip(rest, size, strict=True))
     )
 
 
 def run_session(session: Any, file: Path, given: np.ndarray) -> np.ndarray:
-    """What a network of one input and one output gives.
+    """Run a network with one input and one output.
+
+    Args:
+        session: of `open_session`.
+        file: that it was read from, for messages.
+        given: a batch of inputs.
 
     Raises:
-        LearnError: it fails, or gives what are no numbers.
+        LearnError: it fails, or its output has NaN, infinite or huge values.
     """
     (takes,), (gives,) = session.get_inputs(), session.get_outputs()
     try:
         (found,) = session.run(None, {takes.name: np.asarray(given, np.float32)})
-    except Exception as error:  # onnxruntime has no base class of its own for its errors.
+    except Exception as error:  # onnxruntime's errors have no base class
         raise damaged_file(file) from error
     is_whole = found.shape[:1] == given.shape[:1] and found.ndim == len(gives.shape)
     if not is_whole or not np.abs(found).max(initial=0) < MAX_VALUE:
@@ -145,5 +155,5 @@ def run_session(session: Any, file: Path, given: np.ndarray) -> np.ndarray:
 
 
 def damaged_file(file: Path) -> LearnError:
-    """The error of a network's file that does not hold what it should."""
+    """The error for a file of a network that is invalid."""
     return LearnError(f"{shown_path(file)}: is damaged, or none of ours; get it again")

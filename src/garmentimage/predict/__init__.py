@@ -1,4 +1,4 @@
-"""A picture in, a pattern out: the cascade of Section 4.3 in use. No torch."""
+"""Pictures to patterns: the cascade of the paper's Section 4.3 in use. Needs no torch."""
 
 import lazy_loader
 

@@ -1,8 +1,8 @@
-"""Photographs as the networks saw pictures: one person, upright, on white, in the same place.
+"""Photographs framed like training images: one person, upright, on white, in the same box.
 
-The networks were trained on pictures in which the wearer always fills the same box. A photograph
-with a plain background is brought to that: what differs from the colour of its border is taken for
-the wearer, scaled to the height of the box and put over its middle.
+In training images, the wearer always fills the same bounding box. A photograph with a plain
+background is framed alike: pixels that differ from the colour of its border are the wearer, who is
+scaled to the height of the box and centred in it.
 """
 
 import warnings
@@ -19,30 +19,30 @@ from garmentimage.system import shown_path
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
 MULTI_PICTURE_FORMAT = "MPO"
-"""What some phones save as JPEG, with a second picture for depth."""
+"""A JPEG with a second picture, for depth, as some phones save it."""
 MAX_PIXELS = 50_000_000
 MIN_SIDE = 32
-"""Fewer pixels a side show no garment."""
+"""Pictures with fewer pixels a side are refused."""
 MAX_SIDE = 2048
-"""More pixels a side are made fewer."""
+"""Pictures with more pixels a side are scaled down."""
 MAX_ASPECT = 8
-"""The most that a picture may be longer than wide."""
+"""Largest ratio of the sides of a picture."""
 BACKGROUND_TOLERANCE = 24.0
-"""How far from the colour of the border, of 255, a pixel is the wearer's."""
+"""Pixels that differ more from the colour of the border, of 255, are the wearer."""
 MIN_BORDER_SHARE = 0.8
 """A background is plain where this share of the border has one colour."""
 MAX_FRAME = 0.05
-"""The most of a picture's shorter side that a frame round it takes, on each side."""
+"""Widest frame that is cut off, as a share of the shorter side, on each side."""
 MIN_FIGURE_HEIGHT = 0.02
-"""What is lower than this share of the picture is no wearer."""
+"""Lower figures, as a share of the picture, are specks and not wearers."""
 MIN_SECOND_FIGURE = 0.3
-"""A further figure of this share of the largest one's pixels is no speck either."""
+"""A second figure with more pixels, as a share of the largest one's, is a second wearer."""
 PLACE_TOLERANCE = 0.02
-"""A wearer that is in place within this share of the picture's side stays as it is."""
+"""A wearer this near to the box, as a share of the picture's side, is not moved."""
 WHITE, WHITE_16_BIT = 255, 65535
-"""With 8 and with 16 bits."""
+"""White in 8 and in 16 bits."""
 MIN_RESOLUTION = 0.75
-"""A note tells of less than this share of the pixels that the network looks at."""
+"""A note is made where the wearer has less than this share of the network's pixels."""
 CLUTTERED = "has no plain background, so its wearer could not be found; expect little"
 EMPTY = "shows nothing before its background"
 CROWDED = "shows more than one figure; the largest was taken"
@@ -50,7 +50,7 @@ CROWDED = "shows more than one figure; the largest was taken"
 
 @dataclass(frozen=True)
 class Box:
-    """Where the wearer is, as shares of the picture's side from its top left corner."""
+    """A bounding box of the wearer, as shares of the picture's side from its top left corner."""
 
     top: float
     bottom: float
@@ -68,27 +68,27 @@ class Box:
 
 @dataclass(frozen=True)
 class Photo:
-    """A picture, and what was done to it."""
+    """A picture, and notes on its conversion."""
 
     pixels: UInt8[np.ndarray, "row col 3"]
     notes: tuple[str, ...]
-    """What the user should know of it, as sentences."""
+    """Remarks for the user, as sentences."""
 
 
 def read_photo(path: str | PathLike[str]) -> Photo:
-    """A picture file, upright, as 8-bit sRGB on white, no larger than `MAX_SIDE` a side.
+    """Read a picture file, upright, as 8-bit sRGB on white, no larger than `MAX_SIDE` a side.
 
     Raises:
-        LearnError: the file is no picture, is animated, or has too many or too few pixels.
+        LearnError: the file is not a picture, is animated, or has too many or too few pixels.
     """
     from PIL import Image
 
     name = shown_path(path)
     if Path(path).exists() and not (Path(path).is_file() or Path(path).is_dir()):
-        raise LearnError(f"{name}: is no ordinary file; name a picture file")
+        raise LearnError(f"{name}: is not an ordinary file; name a picture file")
     is_open = False
     try:
-        # What Pillow warns of are sizes, which are looked at here, and torn notes of cameras.
+        # Pillow warns of sizes, which are checked here, and of damaged metadata of cameras.
         with warnings.catch_warnings(action="ignore"), Image.open(path, formats=FORMATS) as image:
             is_open = True
             _check_size(image, name)
@@ -98,26 +98,26 @@ def read_photo(path: str | PathLike[str]) -> Photo:
         raise
     except Image.DecompressionBombError:
         raise _too_many(name) from None
-    except Exception as error:  # Decoders of six formats have no base class for their errors.
+    except Exception as error:  # noqa: BLE001  decoders of six formats: no base class
         if is_open:
             raise LearnError(f"{name}: is damaged or cut short; get it again") from None
         reason = getattr(error, "strerror", None)
         if reason:
             raise LearnError(f"{name}: cannot be read ({reason}); name a picture file") from None
         raise LearnError(
-            f"{name}: is no picture that can be read; save it as PNG or JPEG"
+            f"{name}: is not a picture that can be read; save it as PNG or JPEG"
         ) from None
 
 
 def as_photo(picture: object) -> Photo:
-    """A picture of any sort as a photo: a path, 8-bit RGB pixels, or an image of Pillow's.
+    """A picture of any kind as a photo: a path, 8-bit RGB pixels, or a Pillow image.
 
     Args:
         picture: an array has shape [row, column, 3], the highest row first.
 
     Raises:
         LearnError: see `read_photo`.
-        TypeError: it is none of these.
+        TypeError: it is of another type.
     """
     from PIL import Image
 
@@ -188,15 +188,15 @@ def _plain(image: Any) -> Photo:
 
 
 def frame_photo(photo: Photo, box: Box, size: int) -> Photo:
-    """A photograph as a square picture of `size` pixels a side, its wearer in the box.
+    """Frame a photograph: a square picture, its wearer in the box.
 
     Args:
         photo: upright.
-        box: where the networks saw the wearer.
+        box: of the wearer in training images.
         size: pixels a side.
 
     Returns:
-        The picture; its notes say where nothing could be done.
+        The picture; its notes say why, where the wearer was not found.
     """
     photo = Photo(without_frame(photo.pixels), photo.notes)
     rows, cols = photo.pixels.shape[:2]
@@ -204,16 +204,16 @@ def frame_photo(photo: Photo, box: Box, size: int) -> Photo:
     notes = (*photo.notes, note) if note else photo.notes
     if wearer is None:
         return Photo(_resized(_squared(photo.pixels), size), notes)
-    at = np.argwhere(wearer)
-    (top, left), (bottom, right) = at.min(0), at.max(0) + 1
-    # The square around the wearer that looks as the networks' pictures do.
+    where = np.argwhere(wearer)
+    (top, left), (bottom, right) = where.min(0), where.max(0) + 1
+    # Side of the square in which the wearer is as high as the box.
     side = (bottom - top) / (box.bottom - box.top)
     if side < MIN_RESOLUTION * size:
         notes += (f"shows its wearer only {bottom - top} pixels high; give more for less doubt",)
     cleared = np.where(wearer[..., None], photo.pixels, WHITE).astype(np.uint8)
-    here = np.array([top / rows, bottom / rows, left / cols, right / cols])
-    there = np.array([box.top, box.bottom, box.left, box.right])
-    if rows == cols and np.abs(here - there).max() < PLACE_TOLERANCE:
+    found = np.array([top / rows, bottom / rows, left / cols, right / cols])
+    wanted = np.array([box.top, box.bottom, box.left, box.right])
+    if rows == cols and np.abs(found - wanted).max() < PLACE_TOLERANCE:
         return Photo(_resized(cleared, size), notes)
     first_row = top - box.top * side
     first_col = (left + right) / 2 - (box.left + box.right) / 2 * side
@@ -221,7 +221,7 @@ def frame_photo(photo: Photo, box: Box, size: int) -> Photo:
 
 
 def without_frame(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "r c 3"]:
-    """The picture inside a thin frame of one colour, where it has one round a plain background."""
+    """The picture without a thin frame of one colour around a plain background, if it has one."""
     colour, share = _border(pixels)
     if share < 1:
         return pixels
@@ -236,11 +236,11 @@ def without_frame(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "
 def find_wearer(
     pixels: UInt8[np.ndarray, "row col 3"],
 ) -> tuple[Bool[np.ndarray, "row col"] | None, str]:
-    """What is not background, and what should be known of that.
+    """Find the wearer: the largest connected region that is not background, holes filled.
 
     Returns:
-        Where the wearer is, None where the background is not plain or nothing is before it; and a
-        note, empty where all is well.
+        A mask of the wearer, None where the background is not plain or nothing is before it; and a
+        note, empty where there is nothing to remark.
     """
     from scipy import ndimage
 
@@ -283,7 +283,7 @@ def _resized(pixels: UInt8[np.ndarray, "side side 3"], size: int) -> UInt8[np.nd
 def _cut(
     pixels: UInt8[np.ndarray, "row col 3"], row: float, col: float, side: float, size: int
 ) -> UInt8[np.ndarray, "n n 3"]:
-    """A square of the picture, white where it reaches over the edge."""
+    """A square of the picture, white beyond its edges, scaled to `size` pixels a side."""
     from PIL import Image
 
     rows, cols = pixels.shape[:2]

@@ -1,8 +1,9 @@
 """A trained cascade in use: a picture to a GarmentImage, and that to a pattern.
 
-A network is a folder: `config.json` (what it was made for, and where it saw the wearer),
-`predictor.onnx` (pictures to channels, see `GarmentImage.to_channels`) and `pictures.npz` (what the
-pictures that it was trained on have in common, to tell others from them).
+A network is a folder: `config.json` (sizes, and the wearer's bounding box in training images),
+`predictor.onnx` (pictures to channels, see `GarmentImage.to_channels`) and `pictures.npz` (the
+distribution of training images, to detect pictures outside it: `middle`, their mean, `axes`, their
+principal axes, and `usual`, the distance threshold).
 """
 
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ import numpy as np
 from jaxtyping import Float, Float32, UInt8
 
 from garmentimage.networks import (
+    CONFIG_FILE,
     DecodedGarment,
     bundled_names,
     damaged_file,
@@ -34,37 +36,40 @@ if TYPE_CHECKING:
 PREDICTOR_FILE, PICTURES_FILE = "predictor.onnx", "pictures.npz"
 DEFAULT_NETWORK = "image-wide"
 THUMBNAIL_PIXELS = 32
-"""Pixels a side at which pictures are compared."""
+"""Pixels a side at which pictures are compared with training images."""
 MIN_CONFIDENCE = 0.5
-"""A confidence below this is low."""
+"""Less confidence is low."""
+MIN_INSIDE = 0.05
+"""A cell with a smaller probability of being inside counts as outside."""
 OOD_THRESHOLD_LIMITS = 1e-4, 1.0
-"""Least and most that pictures in training may be apart from what they have in common."""
+"""Smallest and largest valid out-of-distribution threshold, a root mean square of colours."""
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a network makes of a picture."""
+    """The garment that a network predicts from a picture."""
 
     photo: Photo
-    """As the network saw it."""
+    """Input of the network."""
     channels: Float32[np.ndarray, "34 row col"]
     """Probabilities, and vectors in cm, not repaired."""
     garment: DecodedGarment
-    """The garment, repaired, decoded and checked; it has no latent vector."""
+    """Repaired, decoded and checked; it has no latent vector."""
     confidence: float
-    """From 0 to 1: how sure the network is of flags and edge types; less where the picture is
-    unlike those that it was trained on, 0 where it shows nothing."""
+    """From 0 to 1: certainty of flags and edge types (`certainty`), times the likeness of the
+    picture to training images (`PatternPredictor.likeness`); 0 where the picture shows nothing."""
 
     @property
     def doubts(self) -> Float[np.ndarray, "layer row col"]:
-        """How unsure the network is of each cell, see `uncertainty_of`."""
+        """Uncertainty of each cell, see `uncertainty_of`."""
         return uncertainty_of(self.channels)
 
     @property
     def is_sure(self) -> bool:
         """Whether the confidence is not low.
 
-        What cannot be sewn is told by `step.faults`, what cannot be worn by draping the pattern.
+        Whether the garment can be sewn is in `garment.faults`; draping shows whether it can be
+        worn.
         """
         return self.confidence >= MIN_CONFIDENCE
 
@@ -73,10 +78,10 @@ class PatternPredictor:
     """A trained cascade.
 
     Args:
-        folder: where its files are.
+        folder: of its files.
 
     Raises:
-        LearnError: they are not, or were made for other channels than this version has.
+        LearnError: a file is missing or damaged, or was made for another channel layout.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -85,20 +90,20 @@ class PatternPredictor:
         try:
             self.box = Box(**self.config["wearer"])
         except (KeyError, TypeError, ValueError):
-            raise damaged_file(self.folder / "config.json") from None
+            raise damaged_file(self.folder / CONFIG_FILE) from None
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT_NETWORK) -> "PatternPredictor":
-        """A network that comes with the package, by name, or one in a folder.
+        """A bundled network, by name, or one in a folder.
 
         Raises:
-            LearnError: there is none of that name, and no such folder.
+            LearnError: there is no bundled network of that name, and no such folder.
         """
         return cls(network_folder(name, predictor_names(), "network"))
 
     @property
     def size(self) -> int:
-        """Pixels a side of the pictures that it takes."""
+        """Pixels a side of its input."""
         return int(self.config["picture"])
 
     def predict(
@@ -107,40 +112,41 @@ class PatternPredictor:
         *,
         repair_level: RepairLevel = "full",
     ) -> Prediction:
-        """The pattern of the garment in a picture.
+        """Predict the pattern of the garment in a picture.
 
         Args:
-            picture: a file, 8-bit RGB pixels with the highest row first, or an image of Pillow's.
-            repair_level: of what the network gives.
+            picture: a file, 8-bit RGB pixels with the highest row first, or a Pillow image.
+            repair_level: how much of the network's output is repaired.
 
         Raises:
-            LearnError: it is no picture that will do.
-            TypeError: it is of another type, or the pixels are.
+            LearnError: the picture cannot be read, or has an invalid size (see `read_photo`).
+            TypeError: it, or its pixels, are of another type.
         """
-        seen = frame_photo(as_photo(picture), self.box, self.size)
-        channels = self.channels(seen.pixels[None])[0]
-        step = decoded_garment(np.zeros(0, np.float32), channels, repair_level)
-        is_empty = EMPTY in seen.notes
-        sure = 0.0 if is_empty else certainty(channels) * self.likeness(seen.pixels)
-        return Prediction(seen, channels, step, sure)
+        photo = frame_photo(as_photo(picture), self.box, self.size)
+        channels = self.channels(photo.pixels[None])[0]
+        garment = decoded_garment(np.zeros(0, np.float32), channels, repair_level)
+        is_empty = EMPTY in photo.notes
+        confidence = 0.0 if is_empty else certainty(channels) * self.likeness(photo.pixels)
+        return Prediction(photo, channels, garment, confidence)
 
     def channels(
         self, pixels: UInt8[np.ndarray, "n row col 3"]
     ) -> Float32[np.ndarray, "n 34 row col"]:
-        """Images of pictures that are framed already."""
+        """Channels of pictures that are framed already (`frame_photo`)."""
         upward = pixels[:, ::-1].transpose(0, 3, 1, 2)
-        seen = np.ascontiguousarray(upward, np.float32) / 255
-        return run_session(self._network, self.folder / PREDICTOR_FILE, seen)
+        images = np.ascontiguousarray(upward, np.float32) / 255
+        return run_session(self._network, self.folder / PREDICTOR_FILE, images)
 
     def likeness(self, pixels: UInt8[np.ndarray, "row col 3"]) -> float:
-        """How like those that it was trained on a picture is, from 0 to 1.
+        """Likeness of a picture to training images, from 0 to 1: exp(-(d / t)^2 / 2).
 
-        It falls with every distance, as that of a wearer who is turned may still be usual: 1 for a
-        picture without any, .61 for one that only one in a hundred of training exceeds.
+        With d the distance from the plane of training images and t the threshold, which 1 in 100
+        held-out images exceeds: 1 on the plane, .61 at the threshold. It falls from the start, as
+        the distance of a wearer who is turned may still be below the threshold.
         """
-        known = self._pictures
-        apart = plane_distance(thumbnail(pixels), known["middle"], known["axes"])
-        return float(np.exp(-((apart / float(known["usual"])) ** 2) / 2))
+        reference = self._reference
+        distance = plane_distance(thumbnail(pixels), reference["middle"], reference["axes"])
+        return float(np.exp(-((distance / float(reference["usual"])) ** 2) / 2))
 
     @cached_property
     def _network(self) -> Any:
@@ -149,54 +155,58 @@ class PatternPredictor:
         return open_session(self.folder / PREDICTOR_FILE, sizes)
 
     @cached_property
-    def _pictures(self) -> dict[str, np.ndarray]:
+    def _reference(self) -> dict[str, np.ndarray]:
+        """The content of `pictures.npz`."""
         try:
             with np.load(self.folder / PICTURES_FILE, allow_pickle=False) as file:
-                known = {name: file[name].astype(float) for name in ("middle", "axes", "usual")}
-        except Exception as error:  # zipfile, zlib and numpy each have their own.
+                reference = {name: file[name].astype(float) for name in ("middle", "axes", "usual")}
+        except Exception as error:  # zipfile, zlib and numpy have their own
             raise damaged_file(self.folder / PICTURES_FILE) from error
         numbers = 3 * THUMBNAIL_PIXELS**2
         if (
-            known["middle"].shape != (numbers,)
-            or known["axes"].shape[1:] != (numbers,)
-            or known["usual"].shape != ()
-            or not all(np.isfinite(each).all() for each in known.values())
-            or not OOD_THRESHOLD_LIMITS[0] <= known["usual"] <= OOD_THRESHOLD_LIMITS[1]
+            reference["middle"].shape != (numbers,)
+            or reference["axes"].shape[1:] != (numbers,)
+            or reference["usual"].shape != ()
+            or not all(np.isfinite(each).all() for each in reference.values())
+            or not OOD_THRESHOLD_LIMITS[0] <= reference["usual"] <= OOD_THRESHOLD_LIMITS[1]
         ):
             raise damaged_file(self.folder / PICTURES_FILE)
-        return known
+        return reference
 
 
 def certainty(channels: Float32[np.ndarray, "34 row col"]) -> float:
-    """How sure a network is where there is cloth: the mean share of its first choices.
+    """Certainty of a network where there may be cloth, from 0 to 1.
 
-    Of the flags of all cells that may be inside, and of the types of their grid edges; 1 is sure.
+    The mean of |2 p - 1| over the flags of these cells, times the mean of the largest probability
+    over the types of their grid edges.
     """
-    flags, types, maybe = _shares(channels)
-    return float(flags[maybe].mean() * types[maybe].mean()) if maybe.any() else 0.0
+    flags, types, may_be_inside = _certainties(channels)
+    if not may_be_inside.any():
+        return 0.0
+    return float(flags[may_be_inside].mean() * types[may_be_inside].mean())
 
 
 def uncertainty_of(
     channels: Float32[np.ndarray, "34 row col"],
 ) -> Float[np.ndarray, "layer row col"]:
-    """How unsure a network is of each cell: 0 sure, 1 it may be anything.
+    """Uncertainty of a network about each cell: 0 certain, 1 undecided.
 
-    Of its flag and, where it may be inside, of the types of its bottom and left grid edges.
+    About its flag and, where it may be inside, about the types of its bottom and left grid edges.
     """
-    flags, types, maybe = _shares(channels)
-    return 1 - flags * np.where(maybe, types, 1.0)
+    flags, types, may_be_inside = _certainties(channels)
+    return 1 - flags * np.where(may_be_inside, types, 1.0)
 
 
-def _shares(
+def _certainties(
     channels: Float32[np.ndarray, "34 row col"],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of each cell how sure its flag is, and its edge types, and whether it may be inside."""
+    """Of each cell: certainty of its flag, and of its edge types, and whether it may be inside."""
     inside, types, _ = split_channels(channels)
-    return np.abs(2 * inside - 1), types.max(axis=2).mean(axis=1), inside > 0.05
+    return np.abs(2 * inside - 1), types.max(axis=2).mean(axis=1), inside > MIN_INSIDE
 
 
 def thumbnail(pixels: UInt8[np.ndarray, "row col 3"]) -> Float[np.ndarray, " number"]:
-    """A picture as few numbers from 0 to 1."""
+    """A picture in few pixels, flattened, from 0 to 1."""
     from PIL import Image
 
     small = Image.fromarray(pixels).resize(
@@ -210,12 +220,18 @@ def plane_distance(
     middle: Float[np.ndarray, " number"],
     axes: Float[np.ndarray, "axis number"],
 ) -> float:
-    """Distance of a picture from the plane through many others (root mean square)."""
+    """Distance of a picture from a plane, a root mean square of colours.
+
+    Args:
+        numbers: a `thumbnail`.
+        middle: a point of the plane.
+        axes: orthonormal directions of the plane.
+    """
     rest = numbers - middle
     rest = rest - (axes @ rest) @ axes
     return float(np.sqrt((rest**2).mean()))
 
 
 def predictor_names() -> tuple[str, ...]:
-    """Names of the cascades that come with the package."""
+    """Names of the bundled cascades."""
     return bundled_names(PREDICTOR_FILE)

@@ -1,4 +1,4 @@
-"""What comes of a picture, in one picture to look at."""
+"""A prediction drawn as one image."""
 
 import io
 from typing import TYPE_CHECKING
@@ -21,19 +21,18 @@ DPI = 110
 LAYER_NAMES = "front", "back"
 
 
-def draw_report(prediction: Prediction, worn: StripFrame) -> UInt8[np.ndarray, "row col 3"]:
-    """What the network saw; the GarmentImage and where it is in doubt; the pattern; the drape.
-
-    What is wrong with the pattern is told in red.
+def draw_report(prediction: Prediction, frame: StripFrame) -> UInt8[np.ndarray, "row col 3"]:
+    """Draw a prediction: the network's input, the GarmentImage with maps of uncertainty, the
+    pattern, and the draped garment; faults in red.
 
     Args:
-        prediction: what a network makes of a picture.
-        worn: its garment, draped.
+        prediction: of a picture.
+        frame: its garment, draped.
     """
     from matplotlib.figure import Figure
     from PIL import Image
 
-    step = prediction.garment
+    garment = prediction.garment
     figure = Figure(figsize=(4 * COLUMN_IN, HEIGHT_IN), facecolor=PAPER)
     rest = 1 - TITLE_IN / HEIGHT_IN
 
@@ -43,15 +42,15 @@ def draw_report(prediction: Prediction, worn: StripFrame) -> UInt8[np.ndarray, "
             ((column + 0.03) / 4, (0.02 + 0.98 * low) * rest, 0.94 / 4, 0.98 * (high - low) * rest)
         )
 
-    sure = "" if prediction.is_sure else "LOW "
+    low = "" if prediction.is_sure else "LOW "
     titles = (
         "picture",
-        f"GarmentImage; {sure}confidence {prediction.confidence:.2f}",
+        f"GarmentImage; {low}confidence {prediction.confidence:.2f}",
         "pattern",
         "draped",
     )
     for column, title in enumerate(titles):
-        is_bad = (column == 1 and not prediction.is_sure) or (column > 1 and bool(worn.faults))
+        is_bad = (column == 1 and not prediction.is_sure) or (column > 1 and bool(frame.faults))
         figure.text(
             (column + 0.5) / 4,
             1 - 0.5 * TITLE_IN / HEIGHT_IN,
@@ -62,15 +61,15 @@ def draw_report(prediction: Prediction, worn: StripFrame) -> UInt8[np.ndarray, "
             va="center",
         )
     _draw_picture(prediction.photo.pixels, axes(0))
-    if step.image is not None:
-        draw_image(step.image, axes(1, 0.44))
+    if garment.image is not None:
+        draw_image(garment.image, axes(1, 0.44))
     _draw_doubts(prediction.doubts, axes(1, 0.0, 0.42))
-    if step.pattern is not None:
-        draw_pattern(step.pattern, axes(2))
-    if worn.worn is not None:
-        _draw_picture(photograph(worn.worn, ONE_COLOUR, size=WORN_PIXELS).colour, axes(3))
-    if worn.faults:
-        _write_fault(worn.faults[0], axes(3))
+    if garment.pattern is not None:
+        draw_pattern(garment.pattern, axes(2))
+    if frame.worn is not None:
+        _draw_picture(photograph(frame.worn, ONE_COLOUR, size=WORN_PIXELS).colour, axes(3))
+    if frame.faults:
+        _write_fault(frame.faults[0], axes(3))
     raw = picture_bytes(figure, "png", dpi=DPI)
     return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
 
@@ -81,9 +80,9 @@ def _draw_picture(pixels: UInt8[np.ndarray, "row col 3"], ax: "Axes") -> None:
 
 
 def _draw_doubts(doubts: Float[np.ndarray, "layer row col"], ax: "Axes") -> None:
-    """Maps of doubt, front and back beside each other, dark where there is much."""
+    """Maps of uncertainty, front and back side by side, dark where it is high."""
     side = doubts.shape[-1]
-    for layer, (name, values) in enumerate(zip(LAYER_NAMES, doubts)):
+    for layer, (name, values) in enumerate(zip(LAYER_NAMES, doubts, strict=True)):
         left = layer * (side + 1)
         ax.imshow(
             values, origin="lower", cmap="Reds", vmin=0, vmax=1, extent=(left, left + side, 0, side)

@@ -20,7 +20,7 @@ from garmentimage.pattern import Cubic, Edge, Loop, Panel, Pattern, Side, Stitch
 STRAIGHT_TOLERANCE = 0.02
 """Edges whose control points all lie nearer to those of a straight edge are straight [lengths]."""
 MIN_TURN = 1e-6
-"""A quaternion shorter than this is no rotation."""
+"""Shorter quaternions stand for no rotation."""
 
 
 @dataclass

@@ -114,7 +114,7 @@ def read_resnet(folder: Path) -> Any:
         )
     try:
         return ResNetModel.from_pretrained(folder, local_files_only=True, use_safetensors=True)
-    except Exception as error:  # Three libraries may raise errors of their own here.
+    except Exception as error:  # noqa: BLE001  three libraries have errors of their own
         raise LearnError(
             f"{shown_path(folder)}: holds no ResNet that can be read ({type(error).__name__})"
         ) from None
