@@ -6,6 +6,10 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.shape_checks import check_annotations, set_checks
+
+check_annotations()
+
 # Deadlines measure the machine, not the code, and so does the time that examples take to draw; the
 # same examples on every run make failures repeat.
 settings.register_profile(
@@ -31,6 +35,16 @@ def pytest_collection_modifyitems(items):
     for item in items:
         for name in SHARED.intersection(item.fixturenames):
             item.add_marker(pytest.mark.xdist_group(name))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    """A test marked `wrong_types` passes them on purpose, to see what the package answers."""
+    set_checks(item.get_closest_marker("wrong_types") is None)
+    try:
+        return (yield)
+    finally:
+        set_checks(True)
 
 
 @pytest.fixture(scope="session")

@@ -215,6 +215,7 @@ def test_what_lies_on_the_shoulders_hangs(kind):
 @pytest.mark.parametrize(
     "wrong", [{"pattern": "tee.json"}, {"body": 3}, {"fabric": 3}, {"vertices": "many"}]
 )
+@pytest.mark.wrong_types
 def test_an_argument_of_another_type_is_a_type_error_that_helps(wrong):
     with pytest.raises(TypeError, match="wanted a"):
         drape_pattern(**{"pattern": garment("tee"), **wrong})

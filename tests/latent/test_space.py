@@ -114,6 +114,7 @@ def test_images_that_the_network_does_not_take_are_refused(space):
         space.encode(replace(image, deformation=image.deformation * 1e6))
 
 
+@pytest.mark.wrong_types
 def test_what_is_no_garment_or_no_latent_vector_is_told(space):
     garment = draft_pattern("tank")
     for wrong in ("dress.json", None, np.zeros(3)):

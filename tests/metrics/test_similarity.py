@@ -171,6 +171,7 @@ def test_a_panel_that_stands_nowhere_is_nothing_found():
     assert likeness(truth, found).panel_iou == 0 and "not finite" in pattern_faults(found)[0]
 
 
+@pytest.mark.wrong_types
 def test_a_truth_that_is_none_is_refused():
     truth = drawn("tee", 0)
     with pytest.raises(gi.PatternError, match="true pattern without panels"):

@@ -137,6 +137,7 @@ def test_of_two_figures_the_larger_is_taken_and_that_is_told():
     assert mask[:, :200].any() and not mask[:, 200:].any() and "more than one figure" in note
 
 
+@pytest.mark.wrong_types
 def test_pixels_and_images_will_do_and_other_values_are_refused():
     pixels = figure()
     for picture in (pixels, Image.fromarray(pixels), Photo(pixels, ())):

@@ -186,11 +186,13 @@ def test_seams_that_cross_when_laid_flat_are_named_by_their_panels():
         ),
     ],
 )
+@pytest.mark.wrong_types
 def test_an_argument_of_a_wrong_type_is_told_what_to_give(call, way_out):
     with pytest.raises(TypeError, match=way_out):
         call()
 
 
+@pytest.mark.wrong_types
 def test_a_path_where_an_image_belongs_is_told_what_to_give():
     with pytest.raises(ImageError, match="load_image"):
         decode("dress.npz")

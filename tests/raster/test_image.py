@@ -85,6 +85,7 @@ def test_an_image_without_marks_has_the_same_channels_and_nothing_else(image):
         ([["a"]], "not an array of numbers"),
     ],
 )
+@pytest.mark.wrong_types
 def test_what_are_no_channels_is_refused_with_the_reason(array, words):
     with pytest.raises(ImageError) as caught:
         GarmentImage.from_channels(array)

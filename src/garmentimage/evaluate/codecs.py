@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32
@@ -18,6 +18,7 @@ from garmentimage.raster.encode import encode
 from garmentimage.raster.repair import RepairLevel
 
 
+@runtime_checkable
 class Codec(Protocol):
     """Garments to latent vectors and back."""
 

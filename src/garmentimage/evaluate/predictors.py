@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32, UInt8
@@ -62,6 +62,7 @@ class PredictedPattern:
     confidence: float | None = None
 
 
+@runtime_checkable
 class PredictFunction(Protocol):
     """Guesses patterns of the garments of an album."""
 

@@ -6,7 +6,7 @@
 import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from garmentimage.errors import LearnError
 from garmentimage.system import TimedOut, map_in_processes, shown_path, write_atomically
@@ -14,6 +14,7 @@ from garmentimage.system import TimedOut, map_in_processes, shown_path, write_at
 RUN_FILE = "run.json"
 
 
+@runtime_checkable
 class RecordedItem(Protocol):
     """One thing to measure; it can be a key of a dictionary."""
 

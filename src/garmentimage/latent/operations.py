@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32
@@ -35,6 +35,7 @@ MAX_STRENGTH = 10.0
 Source = Pattern | GarmentImage
 
 
+@runtime_checkable
 class Editable(Protocol):
     """A space whose latent vectors are garments."""
 

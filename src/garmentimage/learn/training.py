@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import torch
 from lightning_fabric import Fabric
@@ -41,6 +41,7 @@ EPOCH_SEED, RANK_SEED = 1_000_003, 500_009
 """Primes that keep the seeds of epochs, and of ranks in an epoch, apart."""
 
 
+@runtime_checkable
 class Examples(Protocol):
     """A data set in memory."""
 

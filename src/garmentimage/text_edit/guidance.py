@@ -18,7 +18,7 @@ they work in.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import torch
 from jaxtyping import Float
@@ -33,6 +33,7 @@ TIME_LIMITS = (0.02, 0.98)
 """Diffusion times are kept within these, away from no noise and from pure noise."""
 
 
+@runtime_checkable
 class Guidance(Protocol):
     """A gradient for pictures and a text."""
 
@@ -55,6 +56,7 @@ class Guidance(Protocol):
         """
 
 
+@runtime_checkable
 class Diffusion(Protocol):
     """A diffusion model of pictures."""
 

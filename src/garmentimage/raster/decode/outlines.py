@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -34,6 +34,7 @@ EFFORTS = (Effort(False, 0.0), Effort(True, 0.0), Effort(True, 0.5), Effort(True
 Polygons = Sequence[Float[np.ndarray, "_ 2"]]
 
 
+@runtime_checkable
 class Outlined(Protocol):
     """Panels, and the polygons round each and round its holes."""
 
