@@ -8,7 +8,7 @@ has only four grid edges. With a mirror **axis** only the right half of a garmen
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple, Self, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -43,13 +43,16 @@ line, the sleeve gives it up, and the trunk looks the same with it as without.""
 Path = Int[np.ndarray, "_ 2"]
 
 
+_Same = TypeVar("_Same", bound="_Records")
+
+
 class _Records:
     """Parallel columns (arrays, or tuples of arrays), one row per record."""
 
     def _columns(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(cast(Any, self))}
 
-    def take(self, rows: Sequence[int] | Int[np.ndarray, " _"]) -> Self:
+    def take(self: _Same, rows: Sequence[int] | Int[np.ndarray, " _"]) -> _Same:
         """The given rows, in the given order."""
         rows = np.asarray(rows, np.int64)
         return type(self)(
@@ -59,7 +62,7 @@ class _Records:
             }
         )
 
-    def append(self, **row: Any) -> Self:
+    def append(self: _Same, **row: Any) -> _Same:
         """The records and one more, given by its fields."""
         return type(self)(
             **{
