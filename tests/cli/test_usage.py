@@ -9,7 +9,7 @@ from typing import get_args, get_type_hints
 
 import pytest
 
-from garmentimage.cli import options, train
+from garmentimage.cli import drape_and_render, draping, train
 from garmentimage.cli.app import VERBS, command_line, main
 from garmentimage.draft.kinds import KINDS
 from garmentimage.drape.fabric import FABRICS
@@ -128,10 +128,10 @@ def test_output_is_plain_where_it_is_not_a_terminal(capsys):
 
 def test_closed_sets_and_defaults_are_those_of_the_library():
     """The command line repeats them, since the rooms that own them take long to load."""
-    hints = get_type_hints(options.DrapeOptions)
+    hints = get_type_hints(draping.DrapeOptions)
     assert set(get_args(hints["fabric"])) == set(FABRICS)
-    assert set(get_args(get_type_hints(options.ViewOptions)["view"])) == set(VIEWS)
-    assert options.DRAPING.vertices == DEFAULT_VERTICES
+    assert set(get_args(get_type_hints(drape_and_render.ViewOptions)["view"])) == set(VIEWS)
+    assert draping.DRAPING.vertices == DEFAULT_VERTICES
     low, high = SIZE_LIMITS
     for size, code in ((low - 1, 2), (high + 1, 2)):
         assert main(["drape", "none.json", "-o", "a.glb", "--size", str(size)]) == code

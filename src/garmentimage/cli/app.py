@@ -31,7 +31,7 @@ VERBS: Mapping[str, Sequence[str]] = MappingProxyType(
         "Patterns": ("pattern:check", "pattern:show"),
         "GarmentImages": ("pattern:encode", "pattern:decode", "pattern:roundtrip"),
         "Draft": ("draft:kinds", "draft:bodies", "draft:draft", "draft:sample", "draft:gallery"),
-        "Drape and render": ("drape:drape", "render:render"),
+        "Drape and render": ("drape_and_render:drape", "drape_and_render:render"),
         "Datasets": ("dataset:recipes", "dataset:build", "dataset:dataset"),
         "Pictures and texts to patterns": ("picture_and_text:predict", "picture_and_text:edit"),
         "Latent space": (

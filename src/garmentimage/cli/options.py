@@ -1,14 +1,13 @@
 """Options that verbs share: their types, their groups, and the files and folders they name."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import Group, Parameter, Token
+from cyclopts import Parameter, Token
 
 from garmentimage.cli.terminal import errors_about, print_findings, print_line
 from garmentimage.errors import GarmentImageError, LearnError
@@ -71,46 +70,6 @@ MeasuredBody = Annotated[
 ]
 Space = Annotated[str, Parameter(metavar="NAME", help="A bundled latent space, or its folder.")]
 Seed = Annotated[Whole, Parameter(validator=within(0))]
-
-
-# --- Groups of options ---------------------------------------------------------------------------
-
-
-@Parameter(name="*", group=Group("Draping", "How patterns are draped.", sort_key=2))
-@dataclass(frozen=True)
-class DrapeOptions:
-    """How patterns are draped."""
-
-    body: Annotated[str, Parameter(metavar="BODY")] = DEFAULT_BODY
-    """A shipped body, auto for the one that the garment fits best, or a mesh file."""
-    pose: Literal["t", "a"] = "t"
-    """Arms stretched out, or 45 degrees down."""
-    fabric: Literal["cotton", "denim", "jersey", "silk", "wool"] = "cotton"
-    """What the cloth is made of."""
-    vertices: Whole = 2000
-    """About how many vertices the cloth has."""
-    tucked: bool = False
-    """Wear tops under skirts and trousers."""
-    made_for: Annotated[float | None, Parameter(metavar="CM")] = None
-    """Stature that the pattern was made for; it is then scaled to the body's."""
-
-
-@Parameter(name="*")
-@dataclass(frozen=True)
-class ViewOptions:
-    """From where a picture is taken, and how large it is."""
-
-    view: Literal["front", "back", "side", "turned"] = "front"
-    """Where the camera stands."""
-    size: Annotated[Whole, Parameter(metavar="PX", validator=within(16, 2048, "pixels"))] = 512
-    """Rows and columns of the picture."""
-
-
-DRAPING, VIEW = DrapeOptions(), ViewOptions()
-"""The defaults."""
-KeepBad = Annotated[
-    bool, Parameter(help="Accept a drape that failed its checks, too, with a warning.")
-]
 
 
 # --- Files of patterns and images ----------------------------------------------------------------

@@ -1,76 +1,50 @@
-"""The verb that puts garments on a body: drape."""
+"""Garments on a body, for the verbs `drape` and `render`: options, draping, facts."""
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 
-from garmentimage.cli.options import (
-    DRAPING,
-    VIEW,
-    DrapeOptions,
-    Files,
-    Json,
-    KeepBad,
-    Out,
-    Results,
-    ViewOptions,
-    read_or_decode,
-)
+from garmentimage.cli.options import DEFAULT_BODY, Whole, read_or_decode
 from garmentimage.cli.terminal import (
     LongWait,
     errors_about,
     one_line,
-    print_json,
     print_line,
 )
 from garmentimage.errors import DraftError, DrapeError
-from garmentimage.system import check_output, shown_path, write_together
+from garmentimage.system import shown_path
 
 if TYPE_CHECKING:
     from garmentimage.body import Body
-    from garmentimage.drape import DrapedGarment, DrapeReport
+    from garmentimage.drape import DrapedGarment
     from garmentimage.pattern import Pattern
 
 
-def drape(
-    *patterns: Files,
-    out: Out,
-    image: Annotated[Path | None, Parameter(metavar="OUT.png")] = None,
-    view: ViewOptions = VIEW,
-    draping: DrapeOptions = DRAPING,
-    keep_bad: KeepBad = False,
-    json: Json = False,
-) -> None:
-    """Put garments on a body.
+@Parameter(name="*", group=Group("Draping", "How patterns are draped.", sort_key=2))
+@dataclass(frozen=True)
+class DrapeOptions:
+    """How patterns are draped."""
 
-    Args:
-        patterns: Patterns or GarmentImages; several are worn together.
-        out: The garment on the body (.glb, .obj or .ply).
-        image: A picture of it, too (.png).
-    """
-    from garmentimage.drape.files import DRAPE_FORMATS, drape_bytes
+    body: Annotated[str, Parameter(metavar="BODY")] = DEFAULT_BODY
+    """A shipped body, auto for the one that the garment fits best, or a mesh file."""
+    pose: Literal["t", "a"] = "t"
+    """Arms stretched out, or 45 degrees down."""
+    fabric: Literal["cotton", "denim", "jersey", "silk", "wool"] = "cotton"
+    """What the cloth is made of."""
+    vertices: Whole = 2000
+    """About how many vertices the cloth has."""
+    tucked: bool = False
+    """Wear tops under skirts and trousers."""
+    made_for: Annotated[float | None, Parameter(metavar="CM")] = None
+    """Stature that the pattern was made for; it is then scaled to the body's."""
 
-    inputs = [*patterns, *body_file(draping)]
-    check_output(out, DRAPE_FORMATS, inputs)
-    if image:
-        check_output(image, (".png",), [*inputs, out])
-    worn = drape_files(patterns, draping, keep_bad=keep_bad)
-    results: Results = {out: drape_bytes(worn, out.suffix)}
-    if image:
-        from garmentimage.render import png_bytes
-        from garmentimage.render.worn import photograph
 
-        views = photograph(worn, view=view.view, size=view.size)
-        results[image] = png_bytes(views.colour)
-    write_together(results)
-    if json:
-        print_json({"out": str(out), "image": str(image) if image else None, **worn_facts(worn)})
-    else:
-        print(f"{shown_path(out)}: written, {_summary(worn)}")
+DRAPING = DrapeOptions()
+"""The defaults."""
 
 
 def drape_files(files: Sequence[Path], options: DrapeOptions, *, keep_bad: bool) -> "DrapedGarment":
@@ -194,19 +168,3 @@ def worn_facts(worn: "DrapedGarment") -> dict[str, Any]:
         "vertices": worn.cloth.vertex_count,
         "report": asdict(worn.report) | {"slid": dict(worn.report.slid)},
     }
-
-
-def _summary(worn: "DrapedGarment") -> str:
-    """A drape in words."""
-    report: DrapeReport = worn.report
-    rest = "at rest" if report.settled else "still moving"
-    slid = " and ".join(f"{far:.1f} cm off the {place}" for place, far in report.slid.items())
-    words = [
-        f"{worn.cloth.vertex_count} vertices {rest} after {report.frames} frames",
-        f"stretched by {report.strain:.0%}",
-        f"{report.penetration:.1f} cm under the skin",
-        *([slid] if slid else []),
-        f"{report.crossings} triangles through other cloth",
-        f"{report.seconds:.1f} s",
-    ]
-    return ", ".join(words)

@@ -1,25 +1,27 @@
-"""The verb that photographs garments on a body: render."""
+"""The verbs of garments on a body: drape, render."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group, Parameter
 
-from garmentimage.cli.drape import accept, body_file, drape_files, worn_facts
-from garmentimage.cli.options import (
+from garmentimage.cli.draping import (
     DRAPING,
-    VIEW,
     DrapeOptions,
+    accept,
+    body_file,
+    drape_files,
+    worn_facts,
+)
+from garmentimage.cli.options import (
     Files,
     Json,
-    KeepBad,
     Out,
     Results,
     Several,
-    ViewOptions,
     Whole,
     within,
 )
@@ -28,7 +30,7 @@ from garmentimage.errors import RenderError, quoted
 from garmentimage.system import check_output, did_you_mean, shown_path, write_together
 
 if TYPE_CHECKING:
-    from garmentimage.drape import DrapedGarment
+    from garmentimage.drape import DrapedGarment, DrapeReport
     from garmentimage.render.worn import Look, Print, Tint
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
@@ -45,6 +47,22 @@ PICTURE_WIDTH = 20.0
 
 Tints = Annotated[Several, Parameter(metavar="[PART=]COLOUR")]
 MapFile = Annotated[Path | None, Parameter(metavar="OUT.png")]
+
+
+KeepBad = Annotated[
+    bool, Parameter(help="Accept a drape that failed its checks, too, with a warning.")
+]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ViewOptions:
+    """From where a picture is taken, and how large it is."""
+
+    view: Literal["front", "back", "side", "turned"] = "front"
+    """Where the camera stands."""
+    size: Annotated[Whole, Parameter(metavar="PX", validator=within(16, 2048, "pixels"))] = 512
+    """Rows and columns of the picture."""
 
 
 @Parameter(
@@ -93,7 +111,66 @@ class MapOptions:
         return {name: path for name, path in named.items() if path is not None}
 
 
-LOOK, MAPS = LookOptions(), MapOptions()
+VIEW, LOOK, MAPS = ViewOptions(), LookOptions(), MapOptions()
+
+
+# --- drape ---------------------------------------------------------------------------------------
+
+
+def drape(
+    *patterns: Files,
+    out: Out,
+    image: Annotated[Path | None, Parameter(metavar="OUT.png")] = None,
+    view: ViewOptions = VIEW,
+    draping: DrapeOptions = DRAPING,
+    keep_bad: KeepBad = False,
+    json: Json = False,
+) -> None:
+    """Put garments on a body.
+
+    Args:
+        patterns: Patterns or GarmentImages; several are worn together.
+        out: The garment on the body (.glb, .obj or .ply).
+        image: A picture of it, too (.png).
+    """
+    from garmentimage.drape.files import DRAPE_FORMATS, drape_bytes
+
+    inputs = [*patterns, *body_file(draping)]
+    check_output(out, DRAPE_FORMATS, inputs)
+    if image:
+        check_output(image, (".png",), [*inputs, out])
+    worn = drape_files(patterns, draping, keep_bad=keep_bad)
+    results: Results = {out: drape_bytes(worn, out.suffix)}
+    if image:
+        from garmentimage.render import png_bytes
+        from garmentimage.render.worn import photograph
+
+        views = photograph(worn, view=view.view, size=view.size)
+        results[image] = png_bytes(views.colour)
+    write_together(results)
+    if json:
+        print_json({"out": str(out), "image": str(image) if image else None, **worn_facts(worn)})
+    else:
+        print(f"{shown_path(out)}: written, {_summary(worn)}")
+
+
+def _summary(worn: "DrapedGarment") -> str:
+    """A drape in words."""
+    report: DrapeReport = worn.report
+    rest = "at rest" if report.settled else "still moving"
+    slid = " and ".join(f"{far:.1f} cm off the {place}" for place, far in report.slid.items())
+    words = [
+        f"{worn.cloth.vertex_count} vertices {rest} after {report.frames} frames",
+        f"stretched by {report.strain:.0%}",
+        f"{report.penetration:.1f} cm under the skin",
+        *([slid] if slid else []),
+        f"{report.crossings} triangles through other cloth",
+        f"{report.seconds:.1f} s",
+    ]
+    return ", ".join(words)
+
+
+# --- render --------------------------------------------------------------------------------------
 
 
 def render(
