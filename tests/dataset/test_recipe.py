@@ -95,7 +95,7 @@ def test_bodies_for_test_are_never_trained_on():
         ('doc = "Two types."\n', "", "lacks doc"),
         ("picture = 64", "pictures = 64", "has no 'pictures'; did you mean picture"),
         ('name = "skirt"', 'name = "tank"', "two types of the recipe have one name"),
-        ("presets", 'colours = { top = "nope" }\npresets', "is no colour"),
+        ("presets", 'colours = { top = "nope" }\npresets', "is not a colour"),
         ("presets", 'test_bodies = ["mean-female"]\npresets', "must differ from its bodies"),
         ('name = "small"', "name =", "is not TOML"),
     ],

@@ -22,8 +22,8 @@ TWINNED = 0.5
 """Where more than this share of the triangles have a twin of opposite orientation, the surface
 was written with two sides."""
 
-Points = Float[np.ndarray, "vertex 3"]
-Faces = Int[np.ndarray, "face 3"]
+Points = Float[np.ndarray, "_ 3"]
+Faces = Int[np.ndarray, "_ 3"]
 Loops = list[Int[np.ndarray, " _"]]
 
 

@@ -44,7 +44,7 @@ MIDDLE_OFF = 0.3
 may be unlike."""
 
 Vector = Float[np.ndarray, " 3"]
-Points = Float[np.ndarray, "vertex 3"]
+Points = Float[np.ndarray, "_ 3"]
 
 
 def upright(points: Points, faces: Int[np.ndarray, "face 3"]) -> Points:
