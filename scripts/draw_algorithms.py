@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 import garmentimage as gi
 from garmentimage.drape.mesh import mesh
-from garmentimage.drape.solver import Settings
+from garmentimage.drape.solver import SolverSettings
 from garmentimage.drape.start import place_on_body, start_points
 from garmentimage.examples import example_path
 from garmentimage.pattern import Pattern, without_stubs
@@ -27,7 +27,7 @@ from garmentimage.raster.cells import CellMesh, cell_mesh, half_edges, label_pan
 from garmentimage.raster.encode.lattice.canonical import canonical
 from garmentimage.raster.encode.lattice.drawing import drawing_of, with_links
 from garmentimage.raster.encode.lattice.route import route
-from garmentimage.raster.encode.layout import Layout, layouts, seam_complex
+from garmentimage.raster.encode.layout import Layout, build_seam_graph, layouts
 from garmentimage.raster.encode.placement import Placed, place
 from garmentimage.render.flat import draw_image, draw_pattern
 from garmentimage.render.style import (
@@ -113,7 +113,7 @@ def draw_arcs(
     nodes: bool = True,
 ) -> None:
     """Arcs of one layer, coloured by what they become, and the nodes where they meet."""
-    for arc, curve in zip(layout.complex.arcs, curves, strict=True):
+    for arc, curve in zip(layout.graph.arcs, curves, strict=True):
         if layer not in arc.layers:
             continue
         sewn = arc.kind != EdgeType.NON_STITCH
@@ -142,7 +142,7 @@ def encode_pictures(folder: Path) -> None:
     placed = place(pattern)
     save(_placement(placed, frame), folder / "encode-2-placement.png")
 
-    layout = next(iter(layouts(seam_complex(placed))))
+    layout = next(iter(layouts(build_seam_graph(placed))))
     figure, axes = two_layers("3. Layout: every seam is one curve")
     for layer, ax in enumerate(axes):
         board(ax, frame)
@@ -153,7 +153,7 @@ def encode_pictures(folder: Path) -> None:
 
     drawing = canonical(drawing_of(layout, frame))
     routed = route(with_links(drawing.drawing), FINE, CORRIDOR).paths
-    paths = drawing.restore(list(routed[: drawing.drawing.arc_count]))
+    paths = drawing.restore(list(routed[: len(drawing.drawing.arcs)]))
     figure, axes = two_layers(f"4. Routing on a lattice {FINE} times as fine: no two paths touch")
     for layer, ax in enumerate(axes):
         board(ax)
@@ -506,7 +506,7 @@ def drape_pictures(folder: Path) -> None:
     corners[order] = flat
     apart = replace(cloth, vertex=np.arange(len(cloth.flat)))
     begun = start_points(cloth, worn.body, standings)
-    soon = gi.drape_pattern(pattern, settings=Settings(frames=FREE_FRAMES))
+    soon = gi.drape_pattern(pattern, settings=SolverSettings(frames=FREE_FRAMES))
     views = (
         ("1. Stand: panels placed round the body", replace(worn, cloth=apart, points=corners)),
         ("3. Lay: sewn, sleeves along the arms", replace(worn, cloth=cloth, points=begun)),

@@ -10,7 +10,6 @@ import json
 import re
 import shlex
 import shutil
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -249,13 +248,33 @@ def test_the_readme_is_short():
     assert len(prose.split()) <= MAX_README_WORDS
 
 
-@pytest.fixture(scope="module")
-def site_pages():
-    sys.path.insert(0, str(ROOT / "scripts"))
-    try:
-        yield importlib.import_module("site_pages")
-    finally:
-        sys.path.remove(str(ROOT / "scripts"))
+@pytest.fixture
+def script(monkeypatch):
+    """Imports a script by its name."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    return importlib.import_module
+
+
+@pytest.fixture
+def site_pages(script):
+    return script("site_pages")
+
+
+@pytest.mark.slow
+def test_the_pictures_of_the_algorithms_can_be_drawn_anew(script, tmp_path):
+    """All but those of draping, which take longer; the same pictures as on the pages."""
+    draw = script("draw_algorithms")
+    for name in ("encode", "channels", "frame", "decode", "repair"):
+        draw.PICTURES[name](tmp_path)
+    assert len(list(tmp_path.iterdir())) == 15
+    for picture in tmp_path.iterdir():
+        with Image.open(picture) as new, Image.open(DOCS / "images" / picture.name) as shown:
+            assert new.size == shown.size, picture.name
+
+
+@pytest.mark.parametrize("name", ["demo", "draw_algorithms", "draw_worn", "try_wheel"])
+def test_the_names_that_a_script_imports_exist(name, script):
+    script(name)
 
 
 def test_every_public_name_has_an_entry_that_is_not_empty(site_pages):

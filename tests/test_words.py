@@ -16,6 +16,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("src", "docs", "scripts", "benchmarks")
+EXEMPT = ("scripts/migrate_weights.py",)
+"""Names keys of networks that were trained before they were renamed."""
 FILES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "Makefile")
 
 
@@ -71,11 +73,12 @@ def read_by_people(path: Path) -> Iterator[tuple[int, str]]:
 
 
 def searched() -> list[Path]:
+    exempt = {ROOT / name for name in EXEMPT}
     found = [ROOT / name for name in FILES]
     for folder in FOLDERS:
         for suffix in ("*.py", "*.md", "*.toml", "*.sh", "*.ipynb"):
             found += sorted((ROOT / folder).rglob(suffix))
-    return found
+    return [path for path in found if path not in exempt]
 
 
 def findings(path: Path) -> list[str]:
@@ -90,7 +93,6 @@ def findings(path: Path) -> list[str]:
 # The rooms that are not yet clean; take a room out as soon as it is.
 UNCLEAN = {
     "compare",
-    "dataset",
     "evaluate",
     "latent",
     "learn",
