@@ -14,6 +14,7 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -163,7 +164,7 @@ def _migrate(folder: Path, config: Mapping[str, Any]) -> str:
     kind = _kind_of(folder, config)
     fields = {kind.fields.get(name, name): value for name, value in config.items()}
     text = json.dumps({"weights_contract": WEIGHTS_CONTRACT, **fields}, indent=1) + "\n"
-    files: dict[Path, str | bytes] = {folder / CONFIG_FILE: text}
+    files: dict[str | PathLike[str], bytes | str] = {folder / CONFIG_FILE: text}
     if not (folder / WEIGHTS_FILE).is_file():
         write_together(files)
         return f"{shown_path(folder)}: {CONFIG_FILE} renamed; there are no weights"
