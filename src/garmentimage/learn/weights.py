@@ -29,7 +29,7 @@ class NetworkConfig:
     def __post_init__(self) -> None:
         for each in fields(self):
             value = getattr(self, each.name)
-            if isinstance(value, list):  # JSON has no tuples
+            if isinstance(value, list):  # JSON has lists; tuples keep configurations comparable
                 object.__setattr__(self, each.name, tuple(value))
 
 

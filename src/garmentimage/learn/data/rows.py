@@ -1,10 +1,13 @@
 """Tensors in step: row k of each of them is of garment k."""
 
 from dataclasses import fields
-from typing import Any, Self
+from typing import Any, TypeVar
 
 import torch
 from torch import Tensor
+
+Rows = TypeVar("Rows", bound="TensorRows")
+"""By hand, as the run-time shape checks cannot see what `Self` stands for."""
 
 
 class TensorRows:
@@ -20,7 +23,7 @@ class TensorRows:
     def __len__(self) -> int:
         return len(next(iter(self._columns().values())))
 
-    def batch(self, numbers: Tensor) -> Self:
+    def batch(self: Rows, numbers: Tensor) -> Rows:
         """The rows of these numbers."""
         return type(self)(
             **{
@@ -29,7 +32,7 @@ class TensorRows:
             }
         )
 
-    def to(self, device: torch.device) -> Self:
+    def to(self: Rows, device: torch.device) -> Rows:
         """The same on another device."""
         return type(self)(**{name: each.to(device) for name, each in self._columns().items()})
 

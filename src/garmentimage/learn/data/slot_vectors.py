@@ -63,7 +63,7 @@ class SlotConfig(NetworkConfig):
 
     network: str
     """Its name in `SLOT_NETWORKS`."""
-    names: tuple[str, ...]
+    names: Sequence[str]
     """Panel names, one a slot."""
     edges: int
     """Most edges of a panel."""
@@ -79,7 +79,7 @@ class SlotConfig(NetworkConfig):
     @property
     def vocabulary(self) -> SlotVocabulary:
         """Its slots."""
-        return SlotVocabulary(self.names, self.edges)
+        return SlotVocabulary(tuple(self.names), self.edges)
 
 
 @dataclass

@@ -10,7 +10,7 @@ and none of the regularisers that `CascadeConfig` adds.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -58,7 +58,7 @@ class CascadeConfig(NetworkConfig):
     """Cells a side, N."""
     picture: int = 128
     """Pixels a side."""
-    channels: tuple[int, ...] = (48, 64, 64)
+    channels: Sequence[int] = (48, 64, 64)
     """Of each level of each network."""
     squared_losses: bool = False
     """Squared errors of flags and vectors instead of cross-entropy and smooth L1."""

@@ -9,6 +9,7 @@ Ho and Salimans 2022).
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -39,7 +40,7 @@ class DenoiserConfig(NetworkConfig):
     """Pixels a side."""
     text: int = 384
     """Length of a sentence embedding."""
-    channels: tuple[int, ...] = (48, 96, 128, 160)
+    channels: Sequence[int] = (48, 96, 128, 160)
     """Of each level: at half the image's resolution, a quarter, and so on."""
     width: int = 256
     """Length of the condition that time and text are mapped to."""

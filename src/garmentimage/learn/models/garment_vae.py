@@ -10,7 +10,7 @@ the same for all x, the loss is the reconstruction error of a sampled latent vec
 plus beta times the Kullback-Leibler divergence from N(0, 1).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import torch
@@ -39,7 +39,7 @@ class GarmentVAEConfig(NetworkConfig):
     """Cells a side, N."""
     latent: int = 32
     """Length of a latent vector."""
-    channels: tuple[int, ...] = (64, 128, 128)
+    channels: Sequence[int] = (64, 128, 128)
     """Of each level, from the grid's own resolution to 4 x 4 cells at N = 16."""
     blocks: int = 1
     """Blocks of each level."""

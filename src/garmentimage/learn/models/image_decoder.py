@@ -4,6 +4,7 @@ The encoder of the VAE is frozen; only this decoder is trained, on the mean abso
 colours.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -30,7 +31,7 @@ class ImageDecoderConfig(NetworkConfig):
     """Length of a latent vector."""
     picture: int = 64
     """Pixels a side; `START_PIXELS` times a power of two."""
-    channels: tuple[int, ...] = (128, 96, 64, 48, 32)
+    channels: Sequence[int] = (128, 96, 64, 48, 32)
     """At 4, 8, 16, 32 and 64 pixels a side."""
     latent_noise: float = 0.5
     """Noise on latent vectors in training, in standard deviations of the encoder's posterior."""

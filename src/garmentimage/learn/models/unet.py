@@ -1,5 +1,6 @@
 """A U-Net from an image, and maps on the grid, to maps on the grid."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import torch
@@ -42,7 +43,7 @@ class UNet(nn.Module):
         *,
         grid: int,
         picture: int,
-        widths: tuple[int, ...],
+        widths: Sequence[int],
         dropout: float = 0.0,
     ) -> None:
         super().__init__()
