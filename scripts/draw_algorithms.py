@@ -506,7 +506,7 @@ def drape_pictures(folder: Path) -> None:
     corners[order] = flat
     apart = replace(cloth, vertex=np.arange(len(cloth.flat)))
     begun = start_points(cloth, worn.body, standings)
-    soon = gi.drape_pattern(pattern, settings=SolverSettings(frames=FREE_FRAMES))
+    soon = gi.drape_pattern(pattern, settings=SolverSettings(max_frames=FREE_FRAMES))
     views = (
         ("1. Stand: panels placed round the body", replace(worn, cloth=apart, points=corners)),
         ("3. Lay: sewn, sleeves along the arms", replace(worn, cloth=cloth, points=begun)),
