@@ -67,7 +67,7 @@ def test_types_for_test_only_may_have_fewer_rows():
     assert rows == {"train": 2700, "validation": 150, "test": 150, "unseen": 40}
     seen = [shard.identity() for shard in shards if not shard.name.startswith("unseen")]
     assert seen == [s.identity() for s in plan_shards(many) if not s.name.startswith("unseen")]
-    with pytest.raises(DatasetError, match="--count is 0; give 1 or more"):
+    with pytest.raises(DatasetError, match="0 rows a type"):
         plan_shards(BuildSettings(load_recipe("d2"), Path("x"), 1000, unseen=0))
 
 
