@@ -11,10 +11,10 @@
     ├── DrapeError              a garment that the body cannot wear, or a bad drape (ValueError)
     ├── RenderError             a picture that cannot be made as asked (ValueError)
     ├── DatasetError            a recipe, or a dataset that cannot be built or read (ValueError)
-    ├── LearnError              a run or a network that will not do (ValueError)
+    ├── LearnError              an invalid training run, network or latent vector (ValueError)
     └── OutputError             a result that cannot be written where it should go (OSError)
 
-Each message is one sentence or two: what is wrong, where (file, panel, edge), and a way out.
+Each message is one sentence or two: what is wrong, where (file, panel, edge), and a remedy.
 """
 
 from typing import Literal
@@ -73,11 +73,11 @@ class RenderError(GarmentImageError, ValueError):
 
 
 class DatasetError(GarmentImageError, ValueError):
-    """A recipe that will not do, or a dataset that cannot be built or read."""
+    """An invalid recipe, or a dataset that cannot be built or read."""
 
 
 class LearnError(GarmentImageError, ValueError):
-    """A training run, weights or a latent vector that will not do."""
+    """An invalid training run, network or latent vector."""
 
 
 class OutputError(GarmentImageError, OSError):
@@ -85,14 +85,14 @@ class OutputError(GarmentImageError, OSError):
 
 
 class PatternWarning(UserWarning):
-    """Something in a pattern that was mended, or that its maker should look at."""
+    """Something in a pattern that was repaired, or that its maker should look at."""
 
 
-def check_type(value: object, wanted: type, way_out: str) -> None:
+def check_type(value: object, wanted: type, remedy: str) -> None:
     """Refuse an argument of another type with a TypeError that says what to give instead."""
     if not isinstance(value, wanted):
         raise TypeError(
-            f"wanted a {wanted.__name__}, not a value of type {type(value).__name__}; {way_out}"
+            f"wanted a {wanted.__name__}, not a value of type {type(value).__name__}; {remedy}"
         )
 
 

@@ -110,8 +110,8 @@ class _Comparison:
             return None
         return {
             (p.name, q.name): tuple(np.flatnonzero(iou >= min(SUCCESS_IOU, iou.max())).tolist())
-            for p, row in zip(self.original.panels, self.iou.transpose(1, 2, 0))
-            for q, iou in zip(self.decoded.panels, row)
+            for p, row in zip(self.original.panels, self.iou.transpose(1, 2, 0), strict=True)
+            for q, iou in zip(self.decoded.panels, row, strict=True)
         }
 
     def likeliest(self) -> tuple[Matching, list[str]]:
@@ -148,7 +148,7 @@ class _Comparison:
         names = [p.name for p in self.decoded.panels]
         candidates = {
             p.name: [names[j] for j in np.argsort(-row, kind="stable") if row[j] >= SUCCESS_IOU]
-            for p, row in zip(self.original.panels, self.iou.max(axis=0))
+            for p, row in zip(self.original.panels, self.iou.max(axis=0), strict=True)
         }
         match = match_graphs(*self.graphs, candidates, poses=self.poses)
         if match is None:

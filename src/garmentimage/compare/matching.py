@@ -110,7 +110,7 @@ def match_panels(
         # One shared name outweighs all that shape and placement can say together.
         score = score + names.reshape(score.shape) * 2 * max(score.shape, default=1)
     rows, columns = linear_sum_assignment(score, maximize=True)
-    paired = {a.panels[i].name: b.panels[j].name for i, j in zip(rows, columns)}
+    paired = {a.panels[i].name: b.panels[j].name for i, j in zip(rows, columns, strict=True)}
     return matching_from(a, b, paired, any_pose=any_pose)
 
 
@@ -258,7 +258,7 @@ def _boundaries(a: Panel, b: Panel) -> tuple[np.ndarray, np.ndarray]:
     polygons = [loop_polygon(panel.outline) for panel in (a, b)]
     ours, theirs = (
         resample(np.concatenate([polygon, polygon[:1]]), np.arange(count) / count)
-        for polygon, count in zip(polygons, counts)
+        for polygon, count in zip(polygons, counts, strict=True)
     )
     return ours, theirs
 

@@ -70,13 +70,13 @@ def pair_garments(truth: Pattern, found: Pattern) -> Pairing:
     score = iou.max(axis=0) + PLACEMENT_WEIGHT * nearness(truth.panels, found.panels)
     rows, columns = linear_sum_assignment(score, maximize=True)
     names = [panel.name for panel in found.panels]
-    paired = {truth.panels[i].name: names[j] for i, j in zip(rows, columns)}
+    paired = {truth.panels[i].name: names[j] for i, j in zip(rows, columns, strict=True)}
     candidates: dict[str, list[str]] = {name: [other] for name, other in paired.items()}
     same = None
     if len(truth.panels) == len(found.panels):
         same = _laid(graphs, candidates)
         if same is None:
-            for panel, row in zip(truth.panels, score):
+            for panel, row in zip(truth.panels, score, strict=True):
                 near = np.argsort(-row, kind="stable")
                 candidates[panel.name] = [names[j] for j in near if row[j] >= row.max() - RIVAL]
             same = _laid(graphs, candidates)

@@ -248,7 +248,7 @@ def _match_loose(
     rows, columns = linear_sum_assignment(cost)
     if len(rows) and cost[rows, columns].max() >= forbidden:
         return None
-    return {loose_a[i]: loose_b[j] for i, j in zip(rows, columns)}
+    return {loose_a[i]: loose_b[j] for i, j in zip(rows, columns, strict=True)}
 
 
 class _Laying:
@@ -480,7 +480,7 @@ def _seams_agree(
         all(
             a.sides[k].panel == back[b.sides[m].panel]
             and lengths_agree(a.sides[k].length, b.sides[m].length)
-            for k, m in zip(seam, order)
+            for k, m in zip(seam, order, strict=True)
         )
         for order in (rival, rival[::-1])
     )

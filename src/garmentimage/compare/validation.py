@@ -61,7 +61,10 @@ def drawing_faults(panel: Panel) -> list[str]:
         what = _called(number)
         if len(loop.edges) < 2:
             return [f"{where}: {what} has {len(loop.edges)} edges"]
-        if any(e.end != f.start for e, f in zip(loop.edges, loop.edges[1:] + loop.edges[:1])):
+        if any(
+            e.end != f.start
+            for e, f in zip(loop.edges, loop.edges[1:] + loop.edges[:1], strict=True)
+        ):
             return [f"{where}: {what} is not closed"]
         if not np.isfinite(loop_polygon(loop)).all():
             return [f"{where}: {what} has coordinates that are not finite"]

@@ -17,6 +17,7 @@ def find_touching_sides(points, sizes):
     for size in sizes:
         end += size
         onward[end - 1] = end - size
+    # Bounding boxes first: of n² pairs nearly all are apart.
     low, high = np.empty((count, 2)), np.empty((count, 2))
     for i in range(count):
         for axis in range(2):
@@ -35,10 +36,12 @@ def find_touching_sides(points, sizes):
             cx, cy = points[j]
             dx, dy = points[onward[j]]
             if onward[i] == j or onward[j] == i:
+                # Neighbours share a point; they fold back where antiparallel (cross against dot).
                 ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
                 along = ux * vx + uy * vy
                 touching = along < 0 and abs(ux * vy - uy * vx) < -_FOLD_TOL * along
             else:
+                # Each side has both ends of the other on different sides of it, or on itself.
                 s1 = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
                 s2 = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
                 s3 = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)

@@ -49,7 +49,8 @@ def _closed_up(loop: Loop, kept: list[int]) -> Loop:
     """A loop of some of its edges, each beginning where the one before it ends."""
     edges = [loop.edges[k] for k in kept]
     joined = [
-        replace(edge, start=before.end) for before, edge in zip([edges[-1], *edges[:-1]], edges)
+        replace(edge, start=before.end)
+        for before, edge in zip([edges[-1], *edges[:-1]], edges, strict=True)
     ]
     used = sorted({edge.start for edge in joined})
     vertices = tuple(loop.vertices[v] for v in used)
@@ -61,7 +62,7 @@ def _closed_up(loop: Loop, kept: list[int]) -> Loop:
                 start=used.index(edge.start),
                 end=used.index(edge.end),
             )
-            for edge, old in zip(joined, edges)
+            for edge, old in zip(joined, edges, strict=True)
         ),
     )
 

@@ -290,7 +290,7 @@ def loop_from_curves(curves: Sequence[Curve], labels: Sequence[str | None] = ())
     count = len(curves)
     edges = tuple(
         Edge(k, (k + 1) % count, curvature_of(curve), label)
-        for k, (curve, label) in enumerate(zip(curves, labels or (None,) * count))
+        for k, (curve, label) in enumerate(zip(curves, labels or (None,) * count, strict=True))
     )
     return Loop(tuple(curve.start for curve in curves), edges)
 

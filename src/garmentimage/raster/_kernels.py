@@ -19,6 +19,7 @@ _NON_STITCH = int(EdgeType.NON_STITCH)
 def flood_fill(inside, edge_type, labels):
     layers, grid, _ = inside.shape
     labels[:] = OUTSIDE
+    # Depth-first, with a stack of our own: each cell is pushed once, so it never overflows.
     stack = np.empty((grid * grid, 2), np.int64)
     count = 0
     for layer in range(layers):
@@ -66,6 +67,7 @@ def merge_corners(mask, edge_type, corners):
                 index[row, col] = count
                 cells[count] = row, col
                 count += 1
+    # Union-find over the four corners of every cell; a shared grid edge merges two pairs of them.
     parent = np.arange(4 * count)
     for i in range(count):
         row, col = cells[i]
@@ -127,6 +129,7 @@ def find_half_edges(cells, corner_ids, vertex_count, edge_type):
             start[count], end[count] = corner_ids[i, s], corner_ids[i, (s + 1) % 4]
             leaving[start[count]] = count
             count += 1
+    # Corners lie on one stretch of boundary at most, so one half-edge leaves each vertex.
     following = np.empty(count, np.int64)
     for k in range(count):
         following[k] = leaving[end[k]]

@@ -3,7 +3,7 @@
 The authors' arrays are float64 [34, N, N], axes [channel, x, y], y = 0 at the bottom. Per layer:
 inside flag; (dx, dy) of the bottom, left, top, right grid edge, less the edge at rest, in cells;
 one-hot type of the bottom edge, then of the left edge (none, side-by-side, front-to-back,
-boundary). Their cell measures 32 px at 2.75 px a cm; the file does not tell.
+boundary). Their cell measures 32 px at 2.75 px a cm; the file does not say.
 """
 
 from enum import StrEnum
@@ -88,7 +88,7 @@ def channels_from_authors(
 
 
 def detect_channel_order(array: np.ndarray) -> ChannelOrder:
-    """Which order the channels of `array` are in, told by where the edge types stand.
+    """Which order the channels of `array` are in, detected by where the edge types stand.
 
     In each order two groups of four channels are the shares of the four types, which add up to
     one in every cell; the deformation, which stands there in the other order, is zero in the

@@ -56,7 +56,7 @@ def save_image(image: GarmentImage, path: str | Path) -> None:
     Raises:
         OutputError: the name ends otherwise, or the file cannot be written.
         ImageError: a `.npy` of an image that has not two layers.
-        TypeError: it is no GarmentImage.
+        TypeError: it is not a GarmentImage.
     """
     check_type(image, GarmentImage, "encode(pattern) makes one")
     path = Path(path)
@@ -83,11 +83,11 @@ def load_image(
     order: ChannelOrder | str | None = None,
     kind: ChannelKind | None = None,
 ) -> GarmentImage:
-    """Read an image from an `.npz` or `.npy` file; its content tells which it is.
+    """Read an image from an `.npz` or `.npy` file; its content decides which.
 
     Args:
         path: the file.
-        order: order of the channels of a `.npy`; default: told from the values.
+        order: order of the channels of a `.npy`; default: detected from the values.
         kind: what the numbers of a `.npy` are, see `GarmentImage.from_channels`; default: likewise.
 
     Raises:

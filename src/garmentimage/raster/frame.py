@@ -75,7 +75,7 @@ class BodyFrame:
     @property
     def is_symmetric(self) -> bool:
         """Whether the body's axis is the middle grid line and both sides are alike."""
-        return all(a == -b for a, b in zip(self.columns, reversed(self.columns)))
+        return all(a == -b for a, b in zip(self.columns, reversed(self.columns), strict=True))
 
     def to_lattice(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Body positions [cm] as lattice coordinates; beyond the grid the last cell goes on."""

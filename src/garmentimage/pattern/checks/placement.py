@@ -92,7 +92,7 @@ def facing_inwards(pattern: Pattern) -> list[str]:
     # About the garment's own middle as well as the body's axis: the origin may be elsewhere, and
     # layers may hang in front of the body only.
     outward = np.maximum(_outwardness(pattern), _outwardness(pattern, np.zeros(3)))
-    return [p.name for p, side in zip(pattern.panels, outward) if side < 0]
+    return [p.name for p, side in zip(pattern.panels, outward, strict=True) if side < 0]
 
 
 # --- units ---------------------------------------------------------------------------------------
@@ -214,7 +214,9 @@ def _in_radians(pattern: Pattern) -> bool:
         return True
     turned = tuple(
         replace(p, rotation=(float(x), float(y), float(z)))
-        for p, (x, y, z) in zip(pattern.panels, np.rad2deg([p.rotation for p in pattern.panels]))
+        for p, (x, y, z) in zip(
+            pattern.panels, np.rad2deg([p.rotation for p in pattern.panels]), strict=True
+        )
     )
     as_degrees = (_outwardness(pattern) > 0).sum()
     return bool((_outwardness(replace(pattern, panels=turned)) > 0).sum() > as_degrees)
@@ -243,7 +245,7 @@ def _outwardness(
         everything = np.concatenate(outlines)
         middle = (everything.min(axis=0) + everything.max(axis=0)) / 2
     found = []
-    for panel, outline in zip(pattern.panels, outlines):
+    for panel, outline in zip(pattern.panels, outlines, strict=True):
         centre = panel.to_world(centroid(panel.outline.polygon)[None])[0]
         normal = panel.matrix[:, 2] * np.sign(panel.outline.area)
         outward = float((normal * (centre - middle))[[0, 2]].sum())

@@ -79,7 +79,7 @@ def check_pattern(
         What does not stop the work but should be known, panels first.
 
     Raises:
-        PatternError: a panel that is no piece of cloth; names the panel and the edges.
+        PatternError: a panel that cannot be cut from cloth; names the panel and the edges.
         StitchError: a stitch that does not join two edges; names the stitch.
     """
     numbers = range(len(pattern.stitches)) if stitch_numbers is None else stitch_numbers
@@ -249,7 +249,7 @@ def check_stitches(
     if len(stitches) > MAX_STITCHES:
         raise StitchError(f"{len(stitches)} stitches; at most {MAX_STITCHES} are taken")
     user: dict[Side, int] = {}
-    for number, stitch in zip(numbers, stitches):
+    for number, stitch in zip(numbers, stitches, strict=True):
         for side in stitch.sides:
             panel = panels.get(side.panel)
             if panel is None:
@@ -280,7 +280,7 @@ def _check_shape(panel: Panel) -> list[Finding]:
     place = panel_place(panel.name)
     found = []
     rings = [loop.polygon for loop in panel.loops]
-    for loop, ring in zip(panel.loops, rings):
+    for loop, ring in zip(panel.loops, rings, strict=True):
         origin, size = ring.min(axis=0), np.ptp(ring, axis=0)
         if size.max() > MAX_PANEL_SIZE:
             raise PatternError(
@@ -351,7 +351,7 @@ def _crossing_edges(
     starts = np.concatenate(rings)
     ends = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     after = np.concatenate(
-        [np.roll(np.arange(len(r)), -1) + at for r, at in zip(rings, _offsets(rings))]
+        [np.roll(np.arange(len(r)), -1) + at for r, at in zip(rings, _offsets(rings), strict=True)]
     )
     owner = np.repeat(np.arange(len(panel.edges)), [chord_count(c) for c in panel.curves])
     segments = shapely.linestrings(np.stack([starts, ends], axis=1))
@@ -402,7 +402,7 @@ def _some_edges(edges: Sequence[int]) -> str:
 
 def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
     found = []
-    for number, stitch in zip(numbers, pattern.stitches):
+    for number, stitch in zip(numbers, pattern.stitches, strict=True):
         short, long = sorted(pattern.curve(side).length for side in stitch.sides)
         if long > MAX_GATHER_RATIO * short and long - short > GATHER_SLACK:
             found.append(

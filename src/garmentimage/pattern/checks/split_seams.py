@@ -11,7 +11,7 @@ from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
 SAME_LENGTH = 0.05
 """Lengths that differ by less than this share are the same, but for a little ease."""
 MIN_MISSING = 0.1
-"""A free edge that is a smaller share of the longer side is no forgotten half."""
+"""A free edge that is a smaller share of the longer side is not a forgotten half."""
 SMOOTH = 0.94
 """Least cosine between edges that go on as one, 20 degrees."""
 
@@ -24,7 +24,7 @@ def half_sewn_findings(pattern: Pattern, numbers: Sequence[int]) -> list[Finding
         numbers: what messages call the stitches.
     """
     found = []
-    for number, stitch in zip(numbers, pattern.stitches):
+    for number, stitch in zip(numbers, pattern.stitches, strict=True):
         free = _forgotten(pattern, stitch)
         if free is not None:
             lengths = sorted(pattern.curve(side).length for side in stitch.sides)
@@ -41,7 +41,7 @@ def half_sewn_findings(pattern: Pattern, numbers: Sequence[int]) -> list[Finding
 
 
 def _forgotten(pattern: Pattern, stitch: Stitch) -> Side | None:
-    """The free edge that goes on where the shorter side ends, and is as long as the rest."""
+    """The free edge that continues where the shorter side ends, and is as long as the rest."""
     short, long = sorted(stitch.sides, key=lambda side: pattern.curve(side).length)
     whole = pattern.curve(long).length
     missing = whole - pattern.curve(short).length

@@ -50,10 +50,10 @@ __all__ = [
 
 
 def load_pattern(path: str | os.PathLike[str]) -> Pattern:
-    """Read a sewing pattern; what was mended or looks odd is told as a `PatternWarning`.
+    """Read a sewing pattern; what was repaired or looks odd is reported as a `PatternWarning`.
 
     Raises:
-        PatternFileError: the file cannot be read, or is no pattern.
+        PatternFileError: the file cannot be read, or does not hold a pattern.
         PatternError: the pattern cannot be sewn; names the panel and the edge.
         StitchError: a stitch joins nothing.
     """
@@ -64,7 +64,7 @@ def load_pattern(path: str | os.PathLike[str]) -> Pattern:
 
 
 def read_pattern(path: str | os.PathLike[str]) -> tuple[Pattern, tuple[Finding, ...]]:
-    """Read a sewing pattern, and say what was mended or looks odd.
+    """Read a sewing pattern, and say what was repaired or looks odd.
 
     Raises:
         PatternFileError, PatternError, StitchError: as `load_pattern`.
@@ -86,7 +86,7 @@ def pattern_from_spec(data: Any, name: str = "") -> Pattern:
 
 
 def read_spec(data: Any, name: str = "") -> tuple[Pattern, tuple[Finding, ...]]:
-    """The pattern that a parsed specification.json describes, and what was mended or looks odd.
+    """The pattern that a parsed specification.json describes, and what was repaired or looks odd.
 
     Raises:
         PatternFileError, PatternError, StitchError: as `load_pattern`.
@@ -107,7 +107,7 @@ def save_pattern(pattern: Pattern, path: str | os.PathLike[str]) -> None:
     Raises:
         PatternError: the pattern has a fault that a file cannot hold (a name twice, an open loop).
         OutputError: the place cannot be written to.
-        TypeError: it is no Pattern.
+        TypeError: it is not a Pattern.
     """
     check_type(pattern, Pattern, "decode(image) makes one of an image")
     write_atomically(path, pattern_text(pattern))

@@ -1,4 +1,4 @@
-"""From the values of a specification.json to a pattern, mending what can be mended."""
+"""From the values of a specification.json to a pattern, repairing what can be repaired."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -73,7 +73,7 @@ KNOWN_PROPERTIES = ("curvature_coords", "normalize_panel_translation", "units_in
 
 
 def read_values(data: Any, name: str) -> tuple[Pattern, tuple[Finding, ...]]:
-    """The pattern that a parsed file describes, and what was mended or looks odd.
+    """The pattern that a parsed file describes, and what was repaired or looks odd.
 
     Raises:
         PatternFileError, PatternError, StitchError: names the panel, the edge, the stitch.
@@ -204,7 +204,7 @@ class _Reader:
     def panel_order(self, given: Any, panels: Mapping[str, Any]) -> list[str]:
         order = ordered_names(given, panels)
         if order != given:
-            self.note("pattern.panel_order", "does not name each panel once; it was mended")
+            self.note("pattern.panel_order", "does not name each panel once; it was completed")
         return order
 
     def panel(
@@ -526,7 +526,7 @@ def _angles_of_matrix(value: Any, where: str) -> Vector:
     if matrix.shape != (3, 3) or not (
         np.abs(matrix @ matrix.T - np.eye(3)).max() < ROTATION_TOL and np.linalg.det(matrix) > 0
     ):
-        raise PatternError(f"{where}: is no rotation matrix; give three angles in degrees")
+        raise PatternError(f"{where}: is not a rotation matrix; give three angles in degrees")
     return euler_angles(matrix)
 
 

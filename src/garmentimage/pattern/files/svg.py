@@ -68,7 +68,7 @@ def pattern_to_svg(pattern: Pattern) -> str:
     }
     groups = [
         _panel_group(number, panel, spot, height, sewn)
-        for number, (panel, spot) in enumerate(zip(pattern.panels, spots))
+        for number, (panel, spot) in enumerate(zip(pattern.panels, spots, strict=True))
     ]
     w, h = _mm(width), _mm(height)
     return "\n".join(
@@ -147,8 +147,7 @@ def _panel_group(
             f'<path id="panel-{number}-edge-{k}" class="edge{" sewn" if partner else ""}" '
             f'data-panel="{name}" data-edge="{k}"{_partner(partner)} d="{_path(curve, sheet)}"/>'
         )
-    for notch in panel.notches:
-        lines.append(sheet.line("notch", *_notch_ends(panel, notch.edge, notch.at)))
+    lines.extend(sheet.line("notch", *_notch_ends(panel, n.edge, n.at)) for n in panel.notches)
     x, y = (float(v) for v in centroid(panel.outline.polygon))
     if panel.grain is not None:
         reach = GRAIN_SHARE * min(_size(panel)) / 2

@@ -1,4 +1,15 @@
-"""Corners of a run, and lines, arcs and Bézier curves fitted to it, in compiled code."""
+"""Corners of a run, and lines, arcs and Bézier curves fitted to it, in compiled code.
+
+Points q_0 .. q_n of a run lie at known shares s_j of the *length* of the curve sought, since the
+encoder placed them so. A Bézier curve B with fixed ends minimises
+
+    sum over inner points |B(t_j) - q_j|²
+
+over its one or two control points (linear least squares by normal equations) for given parameters
+t_j; then each t_j is set to where B has the share s_j of its length, and both steps are repeated.
+This is the alternation of Plass and Stone 1983 ("Curve-fitting with piecewise parametric cubics")
+with shares of the length in place of nearest points. Arcs come from Kåsa's circle (1976).
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 
@@ -30,10 +41,10 @@ nothing to compare their turn with, two edges meet."""
 
 ARC_CHORDS = 3
 ARC_SWEEP = np.deg2rad(60.0)
-"""From so many chords on, or with two that sweep more than this, an arc is told from a parabola."""
+"""An arc needs so many chords, or a sweep beyond this: fewer points fit a parabola as well."""
 
 MIN_ARC_SWEEP, MAX_ARC_SWEEP = np.deg2rad(0.5), np.deg2rad(354.0)
-"""Flatter arcs are no arcs; those that come nearer to closing are not fitted by one curve."""
+"""Sweeps of one arc: flatter runs count as lines, those nearer to a full circle as two curves."""
 
 JUMP = 0.8
 JUMP_TURN = np.deg2rad(0.5)
@@ -56,6 +67,9 @@ _FIT_ROUNDS = 5
 _TABLE = 48
 
 
+# A corner is a turn that is large in itself, or large beside its neighbours, or where lengths of
+# chords jump: grid points of one edge are evenly spaced, those of two edges are not. A curve that
+# fits all points closely proves that there is none.
 @njit(cache=True)
 def find_corners(points):
     """How far the polyline turns at each inner point [radians], and whether that is a corner."""
@@ -94,16 +108,18 @@ def jumps(chords, k):
     a, b = chords[k], chords[k + 1]
     if min(a, b) > JUMP * max(a, b):
         return False
-    told = False
+    is_clear = False
     if k > 0:
-        told = min(chords[k - 1], a) > EVEN_CHORDS * max(chords[k - 1], a)
-        if not told:
+        is_clear = min(chords[k - 1], a) > EVEN_CHORDS * max(chords[k - 1], a)
+        if not is_clear:
             return False
     if k + 2 < len(chords):
         return min(chords[k + 2], b) > EVEN_CHORDS * max(chords[k + 2], b)
-    return told
+    return is_clear
 
 
+# The simplest curve that is near enough wins: line, arc, quadratic, cubic. What returns to
+# its start is an arc or nothing, since a Bézier curve through such points is ill-conditioned.
 @njit(cache=True)
 def fit_run(points):
     """Kind of the curve, the control points of a Bézier curve, radius and sweep of an arc."""
@@ -151,6 +167,7 @@ def fit_arc(points):
     determinant = sxx * syy - sxy * sxy
     if determinant <= 1e-9 * sxx * syy:
         return 0.0, 0.0, np.inf
+    # Centre relative to the mean: the 2 x 2 normal equations by Cramer's rule.
     cx = mx + (sxr * syy - syr * sxy) / (2 * determinant)
     cy = my + (syr * sxx - sxr * sxy) / (2 * determinant)
     angles = np.zeros(count)
@@ -159,8 +176,8 @@ def fit_arc(points):
         bx, by = points[j, 0] - cx, points[j, 1] - cy
         angles[j] = angles[j - 1] + np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
     swept = angles[-1]
-    told = count > ARC_CHORDS or abs(swept) > ARC_SWEEP
-    if not told or not MIN_ARC_SWEEP < abs(swept) < MAX_ARC_SWEEP:
+    is_clear = count > ARC_CHORDS or abs(swept) > ARC_SWEEP
+    if not is_clear or not MIN_ARC_SWEEP < abs(swept) < MAX_ARC_SWEEP:
         return 0.0, 0.0, np.inf
     # Through the ends exactly; from the sweep, as the radius hardly tells arcs near a half circle.
     dx, dy = points[-1, 0] - points[0, 0], points[-1, 1] - points[0, 1]
@@ -283,6 +300,7 @@ def solve_controls(points, t, order, controls):
             return False
         controls[0] = rhs[0] / m00
         return True
+    # Two control points: a 2 x 2 system for each axis, the matrix shared.
     determinant = m00 * m11 - m01 * m01
     if determinant < 1e-12:
         return False

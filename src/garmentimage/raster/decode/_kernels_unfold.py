@@ -1,4 +1,4 @@
-"""Normal equations of unfolding, in compiled code."""
+"""Normal equations of unfolding, in compiled code; `unfold` has the formulation."""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 
@@ -9,6 +9,7 @@ from numba import njit
 @njit(cache=True)
 def normal_equations(start, end, wanted, positions, weight):
     """Lower band of the normal matrix of Eq. 2, and its right-hand side."""
+    # Bandwidth: the farthest that two joined vertices are apart in the numbering.
     width = 0
     for k in range(len(start)):
         width = max(width, abs(start[k] - end[k]))
@@ -18,6 +19,7 @@ def normal_equations(start, end, wanted, positions, weight):
     band[0] += weight
     for k in range(len(start)):
         i, j = start[k], end[k]
+        # Each side adds (v_j - v_i - d)²: the Laplacian on the left, -+d on the right.
         band[0, i] += 1
         band[0, j] += 1
         band[abs(i - j), min(i, j)] -= 1

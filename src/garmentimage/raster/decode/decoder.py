@@ -43,7 +43,7 @@ def decode(
 
     Args:
         image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
-        repair: how much of an inconsistent image is mended first, see `repair`.
+        repair: how much of an inconsistent image is repaired first, see `repair`.
         kind: what the numbers of channels are, see `repair`; default: judged by all of them.
 
     Raises:
@@ -57,10 +57,10 @@ def decode(
     try:
         return _decoded(image)
     except DecodeError:
-        mended, count = remove_dangling_cuts(image) if repair == "full" else (image, 0)
+        repaired, count = remove_dangling_cuts(image) if repair == "full" else (image, 0)
         if not count:
             raise
-        return _decoded(mended)
+        return _decoded(repaired)
 
 
 def _decoded(image: GarmentImage) -> Pattern:

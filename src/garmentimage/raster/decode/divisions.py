@@ -122,7 +122,7 @@ def _along_half_edges(
         half = half_edges(cluster.mesh, image.edge_type[cluster.layer])
         if mark is not None and mark.divisions:
             cells = cluster.mesh.cells[half.cell]
-            keys = zip(cells[:, 0].tolist(), cells[:, 1].tolist(), half.side.tolist())
+            keys = zip(cells[:, 0].tolist(), cells[:, 1].tolist(), half.side.tolist(), strict=True)
             number = {key: first + k for k, key in enumerate(keys)}
             for row, col, side, shares in mark.divisions:
                 if (row, col, side) in number:

@@ -13,7 +13,7 @@ from garmentimage.raster.decode.boundary import Cluster
 from garmentimage.raster.image import LEFT, EdgeType, GarmentImage, PanelMark
 
 CROTCH_CM, SHOULDER_CM = 78.0, 138.0
-"""Heights above the floor that tell kinds of panels apart."""
+"""Heights above the floor that distinguish kinds of panels."""
 
 ARM_CM = (22.0, 105.0)
 """A panel whose middle lies farther out and higher than this hangs on an arm: panels of the trunk
@@ -32,7 +32,7 @@ REACH_TOL_CM = 8.0
 """As much lower than the shoulder a panel may end and still reach it."""
 
 BAND_CM = 14.0
-"""A waistband, a collar or a cuff is no wider than this."""
+"""A waistband, a collar or a cuff is at most this wide."""
 
 MAX_BODICE_CM = 80.0
 """Longer panels from the shoulder down are those of a dress, or of a jumpsuit."""

@@ -1,4 +1,16 @@
-"""The local search for the least-cost labelling, in compiled code."""
+"""The local search for the least-cost labelling, in compiled code.
+
+The labels are the flag f of every cell and the type t of every grid edge. Minimised is
+
+    sum over cells C(f)  +  sum over grid edges C(t)  +  ODD_FOLD_COST for each odd fold
+
+subject to every t fitting the flags on both sides of its grid edge (see `labelling`). Given the
+flags, the best type of each grid edge is independent of all others and found by comparing four
+costs, so only flags are searched: iterated conditional modes (Besag 1986, "On the statistical
+analysis of dirty pictures"). A sweep visits each cell of both layers at once and takes the flags
+that make the cell and its four grid edges cheapest; the energy never rises, and sweeps end when
+none changed a cell.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 
@@ -84,6 +96,7 @@ def minimise_pair(inside, flag_cost, type_cost, types):
                 # The present choice comes first, so that it wins ties.
                 for turn in range(1 << layers):
                     choice = now ^ turn
+                    # The energy of all terms that hold this cell, with these flags.
                     cost = 0.0
                     for layer in range(layers):
                         flag = (choice >> layer) & 1
@@ -95,6 +108,7 @@ def minimise_pair(inside, flag_cost, type_cost, types):
                         cost += best_of_edge(inside, type_cost, 0, row + 1, col)[0]
                     if col + 1 < grid:
                         cost += best_of_edge(inside, type_cost, 1, row, col + 1)[0]
+                    # A margin, so that rounding does not make two equal choices take turns.
                     if cost < best_cost - 1e-9:
                         best, best_cost = choice, cost
                 for layer in range(layers):
@@ -102,6 +116,7 @@ def minimise_pair(inside, flag_cost, type_cost, types):
                 changed = changed or best != now
         if not changed:
             break
+    # Flags are settled; now the types that were implied all along.
     for h in range(2):
         for row in range(grid):
             for col in range(grid):

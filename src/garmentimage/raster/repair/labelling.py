@@ -1,4 +1,4 @@
-"""What a network believes of an image, and the least-cost labelling in which all agrees.
+"""Unary costs of flags and edge types, and the least-cost labelling in which all agrees.
 
 Costs are negative log probabilities [nats]. A labelling agrees when every grid edge fits the cells
 on both sides of it, on both layers: a boundary between inside and outside, `NON_BOUNDARY` outside,
@@ -21,7 +21,7 @@ from garmentimage.raster.image import (
 from garmentimage.raster.repair._kernels import minimise_pair
 
 MAX_COST = 14.0
-"""Cost of what a network gave no probability at all."""
+"""Cost of a probability of 0, and the largest of all [nats]."""
 
 NEIGHBOUR_GAIN = 0.2
 """What a type gains from each grid edge of the same type that it touches."""
@@ -31,7 +31,7 @@ _NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
 
 @dataclass(frozen=True)
 class UnaryCosts:
-    """What a network thinks: costs of every choice [nats], and deformation."""
+    """Costs of every value of flags and edge types [nats], and the deformation."""
 
     inside: Float[np.ndarray, "2 layer row col"]
     """Cost of outside, and of inside."""
@@ -45,7 +45,7 @@ def unary_costs(array: np.ndarray, kind: ChannelKind) -> UnaryCosts:
 
     Args:
         array: [17 L, N, N], as `GarmentImage.to_channels` orders them.
-        kind: what its flags and types are. Channels are decided, and certain then.
+        kind: what its flags and types are. Channels are decided, and their costs 0 or `MAX_COST`.
 
     Raises:
         ImageError: a wrong shape, or values that are not finite.
@@ -70,7 +70,7 @@ def _cost(probability: np.ndarray) -> np.ndarray:
 
 
 def one_hot_costs(image: GarmentImage) -> UnaryCosts:
-    """The beliefs of someone who believes every channel of `image`."""
+    """Costs with which any change of `image` costs `MAX_COST`."""
     inside = np.where(np.stack([image.inside, ~image.inside]), MAX_COST, 0.0)
     return UnaryCosts(inside, np.where(one_hot(image.edge_type), 0.0, MAX_COST), image.deformation)
 

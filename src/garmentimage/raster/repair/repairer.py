@@ -72,7 +72,7 @@ def repair(
 
     Args:
         image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
-        level: how much is mended.
+        level: what is repaired.
         kind: what the numbers of the channels are: `shares` (probabilities); `logits`; `channels`,
             decided at .5 and by the largest of four, and sure then, as those of a GarmentImage.
             Default: judged by all numbers of flags and types together; the report says so. Of a
@@ -88,7 +88,7 @@ def repair(
             between inside and outside; `NON_BOUNDARY` outside; `SIDE_BY_SIDE` between two inside
             cells; `FRONT_TO_BACK` on both layers or neither), found by local search; then seams
             are made whole or dropped, small regions merged, uncertain bands made one seam, and
-            the paper's cases mended.
+            the paper's cases repaired.
 
     A correct image comes back unchanged.
 
@@ -100,24 +100,24 @@ def repair(
         raise ImageError(f"no repair level {level!r}; there are {', '.join(LEVELS)}")
     if isinstance(image, GarmentImage):
         report = RepairReport(level)
-        mended, counts = _repaired(image, level, None)
+        repaired, counts = _repaired(image, level, None)
     else:
         flags, types, _ = split_channels(check_channels(image))
         known = resolve_channel_kind(flags, types, kind)
         report = RepairReport(level, {}, known, kind is None and not is_binary(flags, types))
         given = GarmentImage.from_channels(image, kind=known)
-        mended, counts = _repaired(given, level, unary_costs(image, known))
-    return mended, replace(report, counts={rule: n for rule, n in counts.items() if n})
+        repaired, counts = _repaired(given, level, unary_costs(image, known))
+    return repaired, replace(report, counts={rule: n for rule, n in counts.items() if n})
 
 
 def _repaired(
-    given: GarmentImage, level: RepairLevel, beliefs: UnaryCosts | None
+    given: GarmentImage, level: RepairLevel, costs: UnaryCosts | None
 ) -> tuple[GarmentImage, dict[str, int]]:
-    """The image, and how much each rule changed; without beliefs all of `given` is believed."""
+    """The image, and how much each rule changed; without costs every change of `given` is dear."""
     if level == "none":
         return given, {}
     if level == "full":
-        return _repaired_fully(given, beliefs or one_hot_costs(given))
+        return _repaired_fully(given, costs or one_hot_costs(given))
     types, counts = repair_paper_cases(given)
     return (replace(given, edge_type=types) if any(counts.values()) else given), counts
 
@@ -136,8 +136,8 @@ def _repaired_fully(given: GarmentImage, costs: UnaryCosts) -> tuple[GarmentImag
     # What was merged may leave a slit behind.
     counts["seams and slits made whole or dropped"] += unify_seams(inside, types, type_cost)
     inside, types = minimise_energy(inside, flag_cost, type_cost)
-    mended = replace(given, inside=inside, edge_type=types)
-    types, paper = repair_paper_cases(mended)
+    repaired = replace(given, inside=inside, edge_type=types)
+    types, paper = repair_paper_cases(repaired)
     counts |= paper
     deformation, filled = _fill_deformation(given, costs.deformation, inside, types)
     counts["deformations filled in"] = filled

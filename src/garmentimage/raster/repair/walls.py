@@ -1,4 +1,4 @@
-"""Walls inside panels: seams made whole or dropped, thin regions merged, the paper's cases mended.
+"""Walls inside panels: seams made whole or dropped, thin regions merged, the paper's cases.
 
 - A **wall** is a grid edge between two inside cells that is not `NON_BOUNDARY`.
 - A **tip** is a lattice point where a chain of walls ends inside a panel.
@@ -118,13 +118,13 @@ def _fix_type(walls: list[Wall], kind: int, types: np.ndarray, cost: np.ndarray)
     cost[h, kind, row, col] = 0.0
 
 
-def merge_thin_regions(inside: Flags, types: Types, belief: Costs, cost: Costs) -> int:
+def merge_thin_regions(inside: Flags, types: Types, unary: Costs, cost: Costs) -> int:
     """Merge thin regions across their weakest seam, where that is worth less than `RARE_COST`.
 
     Args:
         inside: flags.
         types: edge types.
-        belief: what the network thinks of the types, untouched by other rules.
+        unary: costs of the types as the network gave them, untouched by other rules.
         cost: what the types cost now.
 
     Returns:
@@ -132,7 +132,7 @@ def merge_thin_regions(inside: Flags, types: Types, belief: Costs, cost: Costs) 
     """
     merged = 0
     for layer in range(len(inside)):
-        extra = belief[layer, :, _NON_BOUNDARY] - belief[layer, :, _SIDE_BY_SIDE]
+        extra = unary[layer, :, _NON_BOUNDARY] - unary[layer, :, _SIDE_BY_SIDE]
         while weak := _weak_seams(inside[layer], types[layer], extra):
             for walls in weak:
                 _fix_type(walls, _NON_BOUNDARY, types[layer], cost[layer])
@@ -181,7 +181,7 @@ def _are_thin(regions: Int[np.ndarray, "row col"], count: int) -> Bool[np.ndarra
 def drop_isolated_regions(
     inside: Flags, types: Types, flag_cost: Float[np.ndarray, "2 layer row col"]
 ) -> int:
-    """Drop small regions that are sewn to nothing beside them, where they are hardly believed.
+    """Drop small regions that are sewn to nothing beside them, where their flags are uncertain.
 
     They are worth what their flags are in the mean.
 
@@ -228,7 +228,7 @@ def remove_dangling_cuts(image: GarmentImage) -> tuple[GarmentImage, int]:
     Such a cut is `NON_STITCH` or `FRONT_TO_BACK`; it goes from its tip as far as another wall.
 
     Returns:
-        The image, and how many grid edges were mended; a front-to-back one goes on both layers.
+        The image, and how many grid edges were changed; a front-to-back one goes on both layers.
     """
     types, count = image.edge_type.copy(), 0
     inner = np.stack([_inner_edges(inside) for inside in image.inside])
@@ -262,10 +262,10 @@ def _is_cut(types: np.ndarray) -> np.ndarray:
 def repair_paper_cases(
     image: GarmentImage,
 ) -> tuple[Types, dict[str, int]]:
-    """The two invalid patterns that the paper mends.
+    """The two invalid cases that the paper repairs (Section 5).
 
     Returns:
-        The mended types, and how many grid edges were mended by rule; the image stays as it is.
+        The repaired types, and how many grid edges were changed by rule; the image stays as it is.
     """
     types = image.edge_type.copy()
     sewn = 0
