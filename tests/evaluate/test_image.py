@@ -196,13 +196,13 @@ def test_networks_left_without_each_type_in_turn_have_one_name_and_one_table(pic
     shutil.copytree(pictured, data)
     for file in (data / "data").glob("unseen-*"):
         file.unlink()
-    guessers = []
+    predictors = []
     for held_out in ("shirt", "top skirt"):
         folder = tmp_path / held_out / "model"
         folder.mkdir(parents=True)
         (folder.parent / "run.json").write_text(json.dumps({"run": {"without": [held_out]}}))
-        guessers.append(Predictor(f"cascade-{held_out}", "cascade", str(folder)))
-    found = group_by_held_out(guessers, data)
+        predictors.append(Predictor(f"cascade-{held_out}", "cascade", str(folder)))
+    found = group_by_held_out(predictors, data)
     assert {k: [g.name for g in v] for k, v in found.items()} == {
         "shirt": ["cascade"], "top skirt": ["cascade"]
     }  # fmt: skip
@@ -226,7 +226,7 @@ def test_seeds_of_one_name_count_as_one_garment_each():
     items = [ImageItem(g, "d", "", "test", n, False) for g in two for n in range(3)]
     record = {"type": "t", "draped": None, "fault": "", "repairs": {}, "panels found": 2}
     records = {
-        item: record | {"panel_iou": 0.5 + 0.1 * item.number + 0.2 * (item.guesser is two[1])}
+        item: record | {"panel_iou": 0.5 + 0.1 * item.number + 0.2 * (item.predictor is two[1])}
         for item in items
     }
     told = summarise_images(items, records)["ours"]["seen"]
@@ -235,8 +235,8 @@ def test_seeds_of_one_name_count_as_one_garment_each():
 
 
 def test_figures_are_told_of_each_type_where_there_are_several():
-    guesser = Predictor("ours", "cascade", "runs/c-0/model")
-    items = [ImageItem(guesser, "d", "", "test", n, False) for n in range(4)]
+    predictor = Predictor("ours", "cascade", "runs/c-0/model")
+    items = [ImageItem(predictor, "d", "", "test", n, False) for n in range(4)]
     record = {"draped": None, "fault": "", "repairs": {}, "panels found": 2, "topology": 1.0}
     records = {
         item: record | {"panel_iou": 0.25 * item.number, "type": "skirt" if item.number else "tee"}

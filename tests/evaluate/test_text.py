@@ -1,4 +1,4 @@
-"""Editing by text, measured: prompts judged by geometry, with networks trained for a moment."""
+"""Editing by text, measured: prompts candidate by geometry, with networks trained for a moment."""
 
 import json
 from dataclasses import replace

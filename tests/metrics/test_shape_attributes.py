@@ -1,4 +1,4 @@
-"""What a garment is like, told from its pattern alone."""
+"""Shape attributes, measured on patterns."""
 
 import numpy as np
 import pytest

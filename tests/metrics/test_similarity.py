@@ -183,7 +183,7 @@ def test_a_truth_that_is_none_is_refused():
 def test_sums_of_nothing_are_refused():
     one = likeness(drawn("tee", 0), None)
     for found, draped in (([], None), ([one, one], [True])):
-        with pytest.raises(ValueError, match="give one or more, and tell of each"):
+        with pytest.raises(ValueError, match="give one or more, and a value for each"):
             likeness_summary(found, draped=draped)
     with pytest.raises(ValueError, match="no values"):
         interval([])

@@ -318,7 +318,7 @@ def text(
         garments: Garments that are edited.
     """
     from garmentimage.dataset import read_summary
-    from garmentimage.evaluate import evaluate_text_edits, text_edits_picture, text_table
+    from garmentimage.evaluate import evaluate_text_edits, text_edits_picture, text_edits_table
     from garmentimage.render import png_bytes
     from garmentimage.text_edit import check_options
 
@@ -352,7 +352,7 @@ def text(
         "figures": figures,
     }
     write_atomically(out / "edits.png", png_bytes(text_edits_picture(methods, split)))
-    _write(out, result, text_table(figures), as_json=json)
+    _write(out, result, text_edits_table(figures), as_json=json)
 
 
 def _edit_methods(

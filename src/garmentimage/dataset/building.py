@@ -156,7 +156,7 @@ def build_dataset(
     *,
     scheduler: str | None = None,
     workers: int = 2,
-    progress: Callable[[FinishedShard, bool], None] = lambda done, fresh: None,
+    progress: Callable[[FinishedShard, bool], None] = lambda *_: None,
     command: str = "",
 ) -> dict[str, Any]:
     """Make the missing shards of a dataset, and write its summary and card.

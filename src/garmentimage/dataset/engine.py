@@ -43,7 +43,7 @@ def run_tasks(
     """
     from distributed import KilledWorker, as_completed
     from distributed.client import FutureCancelledError
-    from distributed.comm import CommClosedError
+    from distributed.comm.core import CommClosedError
 
     with _client(scheduler, min(workers, len(tasks))) as client:
         waiting = iter(tasks)
@@ -79,7 +79,7 @@ def check_scheduler(address: str) -> None:
     Raises:
         DatasetError: it does not answer.
     """
-    from distributed.comm import connect
+    from distributed.comm.core import connect
 
     async def knock() -> None:
         comm = await connect(address, timeout=TIMEOUT_S)

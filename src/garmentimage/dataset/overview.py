@@ -29,7 +29,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     """
     file = folder / SUMMARY_FILE
     try:
-        summary = json.loads(file.read_text(encoding="utf-8"))
+        summary: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         if not _is_summary(summary):
             raise ValueError
     except FileNotFoundError:

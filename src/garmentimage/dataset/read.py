@@ -1,9 +1,9 @@
 """Reading built datasets: shards of a split, rows by number, rasters as arrays."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -18,6 +18,8 @@ from garmentimage.pattern import Pattern
 from garmentimage.pattern.files import pattern_from_spec
 from garmentimage.raster import CHANNELS_PER_LAYER
 from garmentimage.system import shown_path
+
+Read = TypeVar("Read")
 
 
 def shard_files(folder: str | Path, split: str | None = None) -> list[Path]:
@@ -89,7 +91,7 @@ def row_count(file: Path) -> int:
     Raises:
         DatasetError: it is damaged.
     """
-    return _read(file, lambda shard: shard.metadata.num_rows)
+    return _read(file, lambda shard: int(shard.metadata.num_rows))
 
 
 def shard_metadata(file: Path) -> ShardMetadata:
@@ -116,7 +118,7 @@ def row_groups(file: Path) -> int:
     Raises:
         DatasetError: it is damaged.
     """
-    return _read(file, lambda shard: shard.num_row_groups)
+    return _read(file, lambda shard: int(shard.num_row_groups))
 
 
 def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
@@ -170,14 +172,15 @@ def parse_patterns(texts: Sequence[str], folder: str | Path) -> list[Pattern]:
         ) from None
 
 
-def _read(file: Path, what: Any, columns: Sequence[str] | None = None) -> Any:
+def _read(file: Path, part: Callable[[Any], Read], columns: Sequence[str] | None = None) -> Read:
+    """A part of a shard, with errors that name the file."""
     try:
         with pq.ParquetFile(file, page_checksum_verification=True) as shard:
             parse_metadata(shard.schema_arrow)
             for name in columns or ():
                 if name not in shard.schema_arrow.names:
                     raise DatasetError(f"has no column {quoted(name)}")
-            return what(shard)
+            return part(shard)
     except DatasetError as error:
         raise DatasetError(f"{shown_path(file)}: {error}") from None
     except (pa.ArrowException, OSError) as error:

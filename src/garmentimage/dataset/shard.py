@@ -139,9 +139,10 @@ def _rasters(rasters: Sequence[np.ndarray], kind: pa.DataType) -> pa.Array:
     """Nested lists of equal rasters, without a Python object for every number."""
     flat: pa.Array = pa.array(np.concatenate([r.ravel() for r in rasters]) if rasters else [],
                               pa.float32())  # fmt: skip
-    sizes = [[len(r) for r in rasters]]
-    for axis in range(1, 4):
-        sizes.append([r.shape[axis] for r in rasters for _ in range(int(np.prod(r.shape[:axis])))])
+    sizes = [
+        [r.shape[axis] for r in rasters for _ in range(int(np.prod(r.shape[:axis])))]
+        for axis in range(4)
+    ]
     for lengths in sizes[::-1]:
         offsets = np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)]).astype(np.int32)
         flat = pa.ListArray.from_arrays(pa.array(offsets, pa.int32()), flat)

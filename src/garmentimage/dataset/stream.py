@@ -22,7 +22,7 @@ from garmentimage.errors import DatasetError, quoted
 from garmentimage.system import did_you_mean, shown_path
 
 
-class RowStream(IterableDataset):
+class RowStream(IterableDataset[dict[str, Any]]):
     """The rows of a split, for a `DataLoader` with any number of workers.
 
     Each row is a dict: `raster` a float32 tensor (layer, 17, N, N), pictures uint8 tensors

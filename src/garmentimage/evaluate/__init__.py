@@ -1,4 +1,4 @@
-"""Measuring trained networks on held-out garments: the tables of the paper."""
+"""Evaluation of trained networks on held-out garments: the tables of the paper."""
 
 import lazy_loader
 

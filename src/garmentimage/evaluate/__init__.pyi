@@ -41,7 +41,7 @@ from .table import (
     held_out_table as held_out_table,
     image_table as image_table,
     latent_table as latent_table,
-    text_table as text_table,
+    text_edits_table as text_edits_table,
 )
 from .text import (
     EditMethod as EditMethod,

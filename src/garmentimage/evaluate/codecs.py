@@ -1,4 +1,4 @@
-"""What is judged: networks that turn garments into latent vectors and back, all in one form."""
+"""Codecs: networks from garments to latent vectors and back, under one protocol."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,13 +26,13 @@ class Codec(Protocol):
         """Latent vectors of some garments."""
 
     def symmetrised_for(self, pattern: Pattern) -> "Codec":
-        """What edits of a garment go by."""
+        """The codec for edits of a garment."""
 
     def reproject(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""
 
     def decode(self, z: Latent) -> DecodedGarment:
-        """The garment of a latent vector, whatever it is."""
+        """The garment of any latent vector."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class RasterCodec:
         return self.space.encode_channels(np.stack(images))
 
     def symmetrised_for(self, pattern: Pattern) -> "RasterCodec":
-        """Keeps an even garment even."""
+        """A codec that keeps a symmetric garment symmetric."""
         return replace(self, space=self.space.symmetrised_for(self.space.image(pattern)))
 
     def reproject(self, z: Latent, times: int) -> Latent:
@@ -62,7 +62,7 @@ class RasterCodec:
 
 @dataclass(frozen=True)
 class PlainCodec:
-    """GarmentImages as they are, without a network: a garment's vector is its channels."""
+    """GarmentImages without a network: the vector of a garment is its channels."""
 
     grid: int
 
@@ -70,19 +70,19 @@ class PlainCodec:
         """All channels of some garments."""
         return np.stack([encode(each, self.grid).to_channels().ravel() for each in patterns])
 
-    def symmetrised_for(self, pattern: Pattern) -> "PlainCodec":
-        """The same: it knows nothing of left and right."""
+    def symmetrised_for(self, pattern: Pattern) -> "PlainCodec":  # noqa: ARG002 - of the protocol
+        """Itself: it has no notion of symmetry."""
         return self
 
-    def reproject(self, z: Latent, times: int) -> Latent:
-        """The same: there is no network that knows garments."""
+    def reproject(self, z: Latent, times: int) -> Latent:  # noqa: ARG002 - of the protocol
+        """Itself: there is no network."""
         return z
 
     def decode(self, z: Latent) -> DecodedGarment:
-        """The garment of a sum of channels.
+        """The garment of a linear combination of channels.
 
-        Flags and edge types are taken as shares; where several garments have cloth in a cell,
-        its edge vectors are their mean.
+        Flags and edge types are shares; if several garments have cloth in a cell, its edge vectors
+        are their mean.
         """
         flags, types, vectors = split_channels(z.reshape(-1, self.grid, self.grid))
         vectors = vectors / np.maximum(flags, 0.5)[:, None, None]
@@ -92,7 +92,7 @@ class PlainCodec:
 
 
 class VectorCodec:
-    """The vector VAE; stitches and places come from the nearest topology that was trained on.
+    """The vector VAE; stitches and placement are those of the nearest topology in training.
 
     Args:
         folder: the network.
@@ -118,8 +118,8 @@ class VectorCodec:
         with torch.no_grad():
             return self.model.encode(to_vectors(patterns, self.words))[0].numpy()
 
-    def symmetrised_for(self, pattern: Pattern) -> "VectorCodec":
-        """The same: it knows nothing of left and right."""
+    def symmetrised_for(self, pattern: Pattern) -> "VectorCodec":  # noqa: ARG002 - of the protocol
+        """Itself: it has no notion of symmetry."""
         return self
 
     def reproject(self, z: Latent, times: int) -> Latent:

@@ -1,4 +1,4 @@
-"""Edits whose answer is known: triplets of garments, and the garment that the edit should give.
+"""Edits with known results: triplets of garments, and the garment that the edit should give.
 
 A and B are one design drafted without some part and with it, C is another design without it, and
 the truth is C's design with that part: the part's own parameters are those of B, all others those
@@ -19,7 +19,7 @@ from garmentimage.pattern import Pattern
 
 BODY = "mean-female"
 SEED = 7_400_000
-"""Of the designs: no dataset has it."""
+"""Of the designs; no dataset uses it."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class PartialDesign:
 
 @dataclass(frozen=True)
 class Edit:
-    """What is changed, and on which garments."""
+    """An edit C + (B - A), by the designs of its garments."""
 
     name: str
     before: PartialDesign
@@ -40,14 +40,14 @@ class Edit:
     on: PartialDesign
     truth: PartialDesign
     brought: tuple[str, ...] = ()
-    """Parameters of the part: the truth has them from B."""
+    """Parameters of the added part, which the truth takes from B."""
     unseen: bool = False
-    """No garment of the truth's topology was trained on."""
+    """No garment in training has the topology of the truth."""
 
 
 @dataclass(frozen=True)
 class Triplet:
-    """Garments of an edit."""
+    """The garments of one edit."""
 
     edit: Edit
     number: int
@@ -101,9 +101,9 @@ EDITS: Mapping[str, tuple[Edit, ...]] = {
 
 
 def sample_triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triplet]:
-    """Designs drawn at random, held out of every dataset by their seed.
+    """Triplets of random designs, held out of every dataset by their seed.
 
-    Designs that cannot be drafted as one of the kinds are left out; so numbers may have gaps.
+    Designs that cannot be drafted as one of the kinds are skipped, so numbers may have gaps.
     """
     body = measurements(BODY)
     found, number = 0, 0
@@ -128,7 +128,7 @@ def sample_triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triple
 def draft_as(
     design: Mapping[str, Any], of: PartialDesign, to: PartialDesign, body: BodyMeasurements
 ) -> Pattern:
-    """A design of one kind as another: what both kinds have stays, as far as its range allows."""
+    """Draft a design of one kind as another: common parameters are clipped to range."""
     known = dict(design) | _below_waist(design, of.kind, to.kind, body)
     values: dict[str, Value] = {}
     for name, parameter in KINDS[to.kind].parameters.items():
@@ -143,7 +143,7 @@ def draft_as(
 def _below_waist(
     design: Mapping[str, Any], of: str, to: str, body: BodyMeasurements
 ) -> dict[str, Any]:
-    """What a dress or a skirt is below its waist, in the words of a skirt or of legs as long."""
+    """Parameters of a skirt or of legs that are as long as a dress or skirt is below the waist."""
     if of == to:
         return {}
     if of == "one-panel-dress":

@@ -1,4 +1,4 @@
-"""Figures: ways through the spaces of networks, and what guessers make of pictures."""
+"""Figures: interpolations and edits in latent spaces, and predictions from pictures."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -19,25 +19,27 @@ if TYPE_CHECKING:
     from garmentimage.learn.data import ImageSplit
 
 FIGURE_PROMPTS = ("long", "short sleeves", "dress", "pants")
-"""Each asked of the first garment that it asks a change of, a new one where there is one."""
+"""Each is applied to the first garment of which it is not true, to another one if possible."""
 
 
 def interpolation_picture(
     codecs: Mapping[str, Codec], a: Pattern, b: Pattern, steps: int
 ) -> UInt8[np.ndarray, "row col 3"]:
-    """The way from one garment to another through each space."""
+    """Interpolations between two garments, a row for each codec."""
     rows = []
     for name, codec in codecs.items():
         start, end = codec.latents([a, b])
         shares = np.linspace(0, 1, steps)
         titles = [f"{name}: 0/{steps - 1}", *(f"{k}/{steps - 1}" for k in range(1, steps))]
         latents = [start + share * (end - start) for share in shares]
-        rows.append(strip([draped_frame(t, codec.decode(z)) for t, z in zip(titles, latents)]))
+        rows.append(
+            strip([draped_frame(t, codec.decode(z)) for t, z in zip(titles, latents, strict=True)])
+        )
     return np.concatenate(rows)
 
 
 def edit_picture(codecs: Mapping[str, Codec], triplet: Triplet) -> UInt8[np.ndarray, "row col 3"]:
-    """A, B, C, C + (B - A), and what it should be, through each space."""
+    """A, B, C, C + (B - A), and the true result, a row for each codec."""
     rows = []
     for name, codec in codecs.items():
         a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
@@ -56,20 +58,20 @@ def edit_picture(codecs: Mapping[str, Codec], triplet: Triplet) -> UInt8[np.ndar
 
 
 def predictions_picture(
-    guessers: Sequence[Predictor],
+    predictors: Sequence[Predictor],
     data: str,
     held_out: str,
     album: "ImageSplit",
     numbers: Sequence[int],
 ) -> UInt8[np.ndarray, "row col 3"]:
-    """For some garments the picture, the true pattern, and what each guesser makes of it."""
+    """For some garments the picture, the true pattern and each prediction."""
     truths = parse_patterns([album.patterns[number] for number in numbers], data)
     rows = []
-    for number, truth in zip(numbers, truths):
+    for number, truth in zip(numbers, truths, strict=True):
         columns = [draped_frame(f"truth: {album.types[number]}", _step(truth, ""))]
-        for guesser in guessers:
-            guess = load_predictor(guesser, data, held_out)(album, number)
-            columns.append(draped_frame(guesser.name, _step(guess.pattern, guess.fault)))
+        for predictor in predictors:
+            guess = load_predictor(predictor, data, held_out)(album, number)
+            columns.append(draped_frame(predictor.name, _step(guess.pattern, guess.fault)))
         upright = album.garments.pictures[number].numpy()[:, ::-1].transpose(1, 2, 0)
         rows.append(side_by_side(np.ascontiguousarray(upright), strip(columns)))
     return np.concatenate(rows)
@@ -78,7 +80,7 @@ def predictions_picture(
 def text_edits_picture(
     editors: "Sequence[EditMethod]", split: str
 ) -> UInt8[np.ndarray, "row col 3"]:
-    """The paper's figure: four garments and four prompts, and what each editor makes of them."""
+    """The figure of the paper: four garments and prompts, and the result of each method."""
     from garmentimage.evaluate.text import applicable_prompts, apply_edit, held_out_garments
 
     known = held_out_garments(editors[0].data, split)
@@ -93,13 +95,11 @@ def text_edits_picture(
         used.add(number)
         start = known[number]
         columns = [draped_frame("as given", _step(start, ""))]
-        for editor in editors:
-            if editor.kind in ("raster", "vectors"):
-                columns.append(
-                    draped_frame(
-                        f"{prompt}: {editor.kind}", _step(*apply_edit(editor, start, prompt))
-                    )
-                )
+        columns += [
+            draped_frame(f"{prompt}: {editor.kind}", _step(*apply_edit(editor, start, prompt)))
+            for editor in editors
+            if editor.kind in ("raster", "vectors")
+        ]
         rows.append(strip(columns))
     return np.concatenate(rows)
 

@@ -1,4 +1,4 @@
-"""What is measured of one garment, and of two."""
+"""Measurements of one garment, and of one against another."""
 
 from dataclasses import dataclass
 
@@ -16,26 +16,27 @@ from garmentimage.compare import (
 )
 from garmentimage.drape import drape_pattern
 from garmentimage.errors import GarmentImageError
+from garmentimage.geometry import polyline_length, resample
 from garmentimage.pattern import Pattern
 from garmentimage.render.worn import photograph
 
 SILHOUETTE = 128
 """Rows and columns of a silhouette [pixel]."""
 OUTLINE_STEP_CM = 2.0
-"""Distance of the points that outlines are compared by."""
+"""Spacing of the points by which outlines are compared."""
 
 
 @dataclass(frozen=True)
 class MeasuredGarment:
-    """A garment, and what is measured of it."""
+    """A garment with its measurements."""
 
     pattern: Pattern | None
     fault: str
-    """Why it cannot be cut, sewn or worn; empty where it can."""
+    """Why it cannot be cut, sewn or worn; empty if it can."""
     topology: str
     """See `topology_hash`; empty where its panels or stitches are at fault."""
     silhouette: Bool[np.ndarray, "row col"] | None
-    """Where the worn garment is, from the front; None where it cannot be worn."""
+    """Of the worn garment, from the front; None if it cannot be worn."""
 
     @property
     def valid(self) -> bool:
@@ -46,7 +47,7 @@ class MeasuredGarment:
 def measure_garment(
     pattern: Pattern | None, fault: str = "", *, worn: bool = True
 ) -> MeasuredGarment:
-    """A garment, checked and draped on the default body."""
+    """Check a garment and drape it on the default body."""
     if pattern is None:
         return MeasuredGarment(None, fault or "no garment", "", None)
     faults = structure_faults(pattern)
@@ -68,9 +69,7 @@ def panel_overlap(truth: Pattern, found: Pattern | None) -> float:
     """Mean IoU of panels; missing and extra ones count 0."""
     if found is None or structure_faults(found):
         return 0.0
-    matching = match_panels(truth, found)
-    count = len(matching.pairs) + len(matching.missing) + len(matching.extra)
-    return sum(pair.iou for pair in matching.pairs) / count
+    return match_panels(truth, found).mean_iou
 
 
 def same_graph(truth: Pattern, found: Pattern | None) -> bool:
@@ -86,14 +85,14 @@ def same_graph(truth: Pattern, found: Pattern | None) -> bool:
 
 
 def outline_distance(a: Pattern, b: Pattern) -> float:
-    """Mean distance of the outlines of two garments, each where it stands at the body [cm].
+    """Mean distance of the outlines of two garments placed at the body [cm].
 
-    From every point of either to the nearest of the other on the same side of the body.
+    From every point of either to the nearest one of the other on the same side of the body.
     """
     from scipy.spatial import cKDTree
 
     total = []
-    for one, two in zip(_outlines(a), _outlines(b)):
+    for one, two in zip(_outlines(a), _outlines(b), strict=True):
         if len(one) and len(two):
             total += [cKDTree(two).query(one)[0], cKDTree(one).query(two)[0]]
     return float(np.concatenate(total).mean()) if total else float("inf")
@@ -111,11 +110,10 @@ def _outlines(pattern: Pattern) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndar
         for loop in panel.loops:
             polygon = loop_polygon(loop)
             closed = np.concatenate([polygon, polygon[:1]])
-            along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
-            count = max(round(along[-1] / OUTLINE_STEP_CM), 3)
-            at = np.linspace(0, along[-1], count, endpoint=False)
-            points = np.stack([np.interp(at, along, closed[:, k]) for k in (0, 1)], 1)
+            count = max(round(polyline_length(closed) / OUTLINE_STEP_CM), 3)
+            points = resample(closed, np.linspace(0, 1, count, endpoint=False))
             world = panel.to_world(points)
             sides[int(world[:, 2].mean() < 0)].append(world[:, :2])
     empty = np.zeros((0, 2))
-    return tuple(np.concatenate(side) if side else empty for side in sides)  # type: ignore[return-value]
+    front, back = (np.concatenate(side) if side else empty for side in sides)
+    return front, back

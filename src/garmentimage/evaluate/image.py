@@ -1,7 +1,7 @@
-"""Picture to pattern, measured: garments of the test split, and of types that no training had.
+"""Evaluation of prediction from pictures, on garments of seen and unseen types.
 
-Who guesses is measured on the same garments; records go to a folder as they come, and a run that
-was stopped goes on. Nothing is trained here.
+All predictors are measured on the same garments. Records are written to a folder one by one, so
+that an interrupted run resumes. Nothing is trained.
 """
 
 import json
@@ -33,41 +33,41 @@ if TYPE_CHECKING:
 SEED = 31
 TIME_LIMIT_S = 300.0
 ACCESS_LOG = "opened.jsonl"
-"""When the test splits were looked at, and by what."""
+"""Log of when the test splits were used, and for which predictors."""
 SPLIT_NAMES = {"test": "seen", "unseen": "unseen"}
 BY_TYPE = "panel_iou", "topology"
-"""Figures that are also told of the garments of each type."""
+"""Figures that are also given by type of garment."""
 
 
 @dataclass(frozen=True)
 class ImageItem:
-    """One garment for one guesser."""
+    """One garment for one predictor."""
 
-    guesser: Predictor
+    predictor: Predictor
     data: str
     held_out: str
-    """The type that the networks were not trained on, where that is not told by the splits."""
+    """The type that the networks were not trained on; empty if the dataset has a split `unseen`."""
     split: str
     number: int
     worn: bool
     validation: bool = False
-    """Of the validation split instead of those for test."""
+    """Of the validation split instead of the test splits."""
 
     @property
     def name(self) -> str:
-        """Of the records that it is one of."""
+        """File of its record."""
         start = "validation-" if self.validation else ""
-        return f"{start}{SPLIT_NAMES[self.split]}-{self.guesser.key}"
+        return f"{start}{SPLIT_NAMES[self.split]}-{self.predictor.key}"
 
 
-def with_baselines(guessers: Sequence[Predictor]) -> list[Predictor]:
-    """Those of all figures: the guessers, the anchors, and what tells what its parts are worth.
-
-    Parts are those of the first cascade.
-    """
-    anchors = [Predictor("nearest picture", "nearest"), Predictor("another of its type", "random")]
-    found = [*guessers, *anchors]
-    first = next((each for each in guessers if each.kind == "cascade"), None)
+def with_baselines(predictors: Sequence[Predictor]) -> list[Predictor]:
+    """The predictors with baselines, and with ablations of the first cascade."""
+    baselines = [
+        Predictor("nearest picture", "nearest"),
+        Predictor("another of its type", "random"),
+    ]
+    found = [*predictors, *baselines]
+    first = next((each for each in predictors if each.kind == "cascade"), None)
     if first is not None:
         found += [
             Predictor(first.name, "cascade", first.folder, level)
@@ -83,7 +83,7 @@ def with_baselines(guessers: Sequence[Predictor]) -> list[Predictor]:
 
 
 def evaluate_images(
-    guessers: Sequence[Predictor],
+    predictors: Sequence[Predictor],
     data: Path,
     folder: Path,
     amounts: ImageAmounts = ImageAmounts(),  # noqa: B008 - frozen
@@ -91,41 +91,41 @@ def evaluate_images(
     held_out: str = "",
     validation: bool = False,
     workers: int = 2,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> dict[str, Any]:
-    """Measure guessers on the same garments, and sum up.
+    """Evaluate predictors on the same garments.
 
     Args:
-        guessers: see `with_baselines`.
+        predictors: see `with_baselines`.
         data: a dataset of pictures.
-        folder: where records go; gone on with.
-        amounts: how many garments.
+        folder: where records are written; a run that was interrupted resumes.
+        amounts: numbers of garments.
         held_out: a type of the dataset that the networks were trained without; its test garments
             are the unseen ones. Empty: those of the split `unseen`.
-        validation: measure on the validation split: what choices are made by. There, garments are
+        validation: measure on the validation split, to choose settings by. There, garments are
             unseen if their type is the one held out.
         workers: processes.
-        progress: called with how many items are done, and of how many.
+        progress: called with the number of items that are complete, and of all.
 
     Returns:
-        By name of guesser, level and split, figures with intervals of 95 %.
+        By predictor and split, figures with intervals of 95 %.
 
     Raises:
         LearnError: a network cannot be read or was trained on what it is measured on, or the
-            folder holds records of others.
+            folder holds records of other networks, data or amounts.
         DatasetError: the dataset has no pictures, or its splits overlap.
     """
-    told = {"data_sha256": dataset_hash(data), "held_out": held_out}
-    proven = check_splits(data, held_out)
-    for guesser in guessers:
-        if guesser.folder:
-            check_training(guesser, told["data_sha256"], held_out)
-            load_predictor(guesser, str(data), held_out)
-    kept = Records(
-        folder, asdict(amounts), {each.key: told | _weights_hash(each) for each in guessers}
+    identity = {"data_sha256": dataset_hash(data), "held_out": held_out}
+    disjoint = check_splits(data, held_out)
+    for predictor in predictors:
+        if predictor.folder:
+            check_training(predictor, identity["data_sha256"], held_out)
+            load_predictor(predictor, str(data), held_out)
+    store = Records(
+        folder, asdict(amounts), {each.key: identity | _weights_hash(each) for each in predictors}
     )
-    items = _items(guessers, str(data), held_out, amounts, validation)
-    records = kept.gather(
+    items = _items(predictors, str(data), held_out, amounts, validation)
+    records = store.gather(
         items,
         score_image_item,
         workers=workers,
@@ -135,7 +135,7 @@ def evaluate_images(
         begin=lambda missing: None if validation else _log_access(folder, missing),
     )
     return {
-        "splits": proven,
+        "splits": disjoint,
         "opened": [json.loads(line) for line in _lines(folder / ACCESS_LOG)],
         "figures": summarise_images(items, records),
     }
@@ -144,7 +144,7 @@ def evaluate_images(
 def score_image_item(item: ImageItem) -> dict[str, Any]:
     """The record of an item."""
     album, patterns = load_garments(item.data, item.split, item.held_out, item.validation)
-    guess = load_predictor(item.guesser, item.data, item.held_out)(album, item.number)
+    guess = load_predictor(item.predictor, item.data, item.held_out)(album, item.number)
     truth = patterns[item.number]
     found = likeness(truth, guess.pattern)
     worn = measure_garment(guess.pattern, guess.fault).valid if item.worn else None
@@ -162,21 +162,23 @@ def score_image_item(item: ImageItem) -> dict[str, Any]:
 def summarise_images(
     items: Sequence[ImageItem], records: Mapping[ImageItem, Mapping[str, Any]]
 ) -> dict[str, dict[str, Any]]:
-    """Figures by guesser and split; of networks of one name the mean over their seeds."""
+    """Figures by predictor and split; of networks of one name the mean over their seeds."""
     groups: defaultdict[tuple[str, str], dict[int, list[Mapping[str, Any]]]] = defaultdict(dict)
     seeds: defaultdict[tuple[str, str], defaultdict[str, list[float]]] = defaultdict(
         lambda: defaultdict(list)
     )
     lost: Counter[tuple[str, str]] = Counter()
     for item in items:
-        record, guesser = records[item], item.guesser
-        name = guesser.name if guesser.level == "full" else f"{guesser.name}, {guesser.level}"
+        record, predictor = records[item], item.predictor
+        name = (
+            predictor.name if predictor.level == "full" else f"{predictor.name}, {predictor.level}"
+        )
         group = name, SPLIT_NAMES[item.split]
         if "lost" in record:
             lost[group] += 1
             continue
         groups[group].setdefault(item.number, []).append(record)
-        seeds[group][guesser.key].append(record["panel_iou"])
+        seeds[group][predictor.key].append(record["panel_iou"])
     told: dict[str, dict[str, Any]] = {}
     for (name, split), rows in groups.items():
         figures = _figures(list(rows.values()))
@@ -222,7 +224,11 @@ def _figures(garments: Sequence[Sequence[Mapping[str, Any]]]) -> dict[str, Any]:
 
 
 def _items(
-    guessers: Sequence[Predictor], data: str, held_out: str, amounts: ImageAmounts, validation: bool
+    predictors: Sequence[Predictor],
+    data: str,
+    held_out: str,
+    amounts: ImageAmounts,
+    validation: bool,
 ) -> list[ImageItem]:
     items = []
     for split in SPLITS:
@@ -234,16 +240,16 @@ def _items(
         if len(album.ids) < amounts.of(split):
             raise LearnError(
                 f"{shown_path(data)}: has {len(album.ids)} {SPLIT_NAMES[split]} garments for "
-                f"{'validation' if validation else 'test'}; this takes {amounts.of(split)} "
+                f"{'validation' if validation else 'test'}; {amounts.of(split)} are needed "
                 f"(--{SPLIT_NAMES[split]})"
             )
         order = measuring_order(album)
-        for guesser in guessers:
-            is_part = guesser.level != "full" or guesser.kind in TEACHER_STAGES
+        for predictor in predictors:
+            is_part = predictor.level != "full" or predictor.kind in TEACHER_STAGES
             count = min(amounts.parts, amounts.of(split)) if is_part else amounts.of(split)
             items += [
                 ImageItem(
-                    guesser,
+                    predictor,
                     data,
                     held_out,
                     split,
@@ -257,16 +263,16 @@ def _items(
 
 
 def has_unseen(data: str, held_out: str, validation: bool = False) -> bool:
-    """Whether there are garments of types that no training had to measure on."""
+    """Whether there are garments of unseen types to measure on."""
     from garmentimage.dataset import has_split
 
-    if held_out or validation:  # those of the split `unseen` are for no choice
+    if held_out or validation:  # the split `unseen` is for test only
         return bool(held_out)
     return has_split(data, "unseen")
 
 
 def measuring_order(album: "ImageSplit") -> list[int]:
-    """The order in which its garments are measured."""
+    """Random order in which its garments are measured."""
     order: list[int] = np.random.default_rng(SEED).permutation(len(album.ids)).tolist()
     return order
 
@@ -275,7 +281,7 @@ def measuring_order(album: "ImageSplit") -> list[int]:
 def load_garments(
     data: str, split: str, held_out: str, validation: bool = False
 ) -> "tuple[ImageSplit, list[Pattern]]":
-    """Garments to measure on, with their patterns: of seen types or unseen ones."""
+    """Garments of seen or unseen types to measure on, with their patterns."""
     from garmentimage.dataset import parse_patterns
     from garmentimage.learn.data import load_split
 
@@ -295,16 +301,16 @@ def _types(data: str) -> set[str]:
     return set(shard_metadata(shard_files(data, "test")[0]).types)
 
 
-def _weights_hash(guesser: Predictor) -> dict[str, str]:
-    return {"weights_sha256": weights_hash(Path(guesser.folder)) if guesser.folder else ""}
+def _weights_hash(predictor: Predictor) -> dict[str, str]:
+    return {"weights_sha256": weights_hash(Path(predictor.folder)) if predictor.folder else ""}
 
 
 def _log_access(folder: Path, missing: Sequence[ImageItem]) -> None:
-    """Note that the test splits are opened now."""
+    """Add to the log that the test splits are used now."""
     line = {
         "when": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": source_commit(),
-        "for": sorted({item.guesser.key for item in missing}),
+        "for": sorted({item.predictor.key for item in missing}),
         "garments": dict(Counter(SPLIT_NAMES[item.split] for item in missing)),
     }
     with (folder / ACCESS_LOG).open("a", encoding="utf-8") as opened:

@@ -1,8 +1,8 @@
-"""Exploring a latent space, measured: reconstruction, interpolation, edits (Section 4.1).
+"""Evaluation of latent spaces: reconstruction, interpolation and edits (Section 4.1).
 
-Every garment measured on is held out: those of pairs are of the test split, those of edits have a
-seed that no dataset has. Records go to a folder as they come, a file for each stage and network,
-and a run that was stopped goes on.
+All garments are held out: those of pairs come from the test split, those of edits from a seed that
+no dataset uses. Records are written to a folder one by one, a file for each stage and network, so
+that an interrupted run resumes.
 """
 
 import json
@@ -45,31 +45,31 @@ STAGES = ("reconstruction", "interpolation", "edits")
 
 @dataclass(frozen=True)
 class Candidate:
-    """A network, at a level of repair."""
+    """A network with a level of repair."""
 
     name: str
     folder: str
     """Empty: GarmentImages as they are, without a network."""
     data: str
-    """The dataset that it was trained on, whose test split is measured on."""
+    """The dataset that it was trained on, whose test split is used."""
     level: RepairLevel | None
     """Of the raster network; None for the vector network."""
 
 
 @dataclass(frozen=True)
 class LatentItem:
-    """One thing to measure."""
+    """One measurement."""
 
     stage: str
-    judged: Candidate
+    candidate: Candidate
     amounts: LatentAmounts
     recipe: str
     number: int
 
     @property
     def name(self) -> str:
-        """Of the records that it is one of."""
-        return f"{self.stage}-{self.judged.name}"
+        """File of its record."""
+        return f"{self.stage}-{self.candidate.name}"
 
 
 def evaluate_latent(
@@ -79,24 +79,24 @@ def evaluate_latent(
     amounts: LatentAmounts = LatentAmounts(),  # noqa: B008 - frozen
     *,
     workers: int = 2,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> dict[str, Any]:
-    """Measure networks on the same garments, and sum up.
+    """Evaluate networks on the same garments.
 
     Args:
-        networks: what is measured.
-        recipe: of the datasets; it has the edits.
-        folder: where records go; gone on with.
-        amounts: how many of each.
+        networks: to evaluate.
+        recipe: of the datasets; it determines the edits.
+        folder: where records are written; a run that was interrupted resumes.
+        amounts: numbers of garments, pairs and edits.
         workers: processes.
-        progress: called with how many items are done, and of how many.
+        progress: called with the number of items that are complete, and of all.
 
     Returns:
         By network and stage, figures with intervals of 95 %.
 
     Raises:
         LearnError: a network cannot be read, the test split has too few garments, or the folder
-            holds records of others.
+            holds records of other networks, data or amounts.
     """
     _check(networks, recipe, amounts)
     kept = Records(folder, asdict(amounts), {each.name: _fingerprint(each) for each in networks})
@@ -106,59 +106,59 @@ def evaluate_latent(
         "edits": amounts.triplets * len(EDITS[recipe]),
     }
     items = [
-        LatentItem(stage, judged, amounts, recipe, number)
+        LatentItem(stage, candidate, amounts, recipe, number)
         for stage in STAGES
-        for judged in networks
+        for candidate in networks
         for number in range(counts[stage])
     ]
     records = kept.gather(
         items, score_latent_item, workers=workers, time_limit=TIME_LIMIT_S, progress=progress
     )
     return {
-        judged.name: {
+        candidate.name: {
             stage: summarise_latent(
-                stage, [records[i] for i in items if (i.stage, i.judged) == (stage, judged)]
+                stage, [records[i] for i in items if (i.stage, i.candidate) == (stage, candidate)]
             )
             for stage in STAGES
         }
-        for judged in networks
+        for candidate in networks
     }
 
 
 def _check(networks: Sequence[Candidate], recipe: str, amounts: LatentAmounts) -> None:
-    """Try every network on a garment, and whether there are pairs to draw."""
+    """Try every network on a garment, and check that there are enough garments and types."""
     example = draw_triplets(recipe, 1)[0].a
-    for judged in networks:
-        codec = load_codec(judged)
+    for candidate in networks:
+        codec = load_codec(candidate)
         try:
             codec.decode(codec.latents([example])[0])
         except GarmentImageError as error:
-            raise LearnError(f"{shown_path(judged.folder)}: {error}") from None
-    for data in {judged.data for judged in networks}:
+            raise LearnError(f"{shown_path(candidate.folder)}: {error}") from None
+    for data in {candidate.data for candidate in networks}:
         _, types = _test_split(data)
         counts = Counter(types)
         if len(counts) < 2 or max(counts.values()) < 2 or len(types) < amounts.garments:
             raise LearnError(
                 f"{shown_path(data)}: its test split has {len(types)} garments of {len(counts)} "
-                f"types; this takes {amounts.garments} or more, two types, and two of one type"
+                f"types; at least {amounts.garments} of two types are needed, two of one type"
             )
 
 
-def _fingerprint(judged: Candidate) -> dict[str, str]:
-    """What tells a network's records from those of others."""
+def _fingerprint(candidate: Candidate) -> dict[str, str]:
+    """Hashes that identify a network's records."""
     return {
-        "weights_sha256": weights_hash(Path(judged.folder)) if judged.folder else "",
-        "data_sha256": dataset_hash(Path(judged.data)),
+        "weights_sha256": weights_hash(Path(candidate.folder)) if candidate.folder else "",
+        "data_sha256": dataset_hash(Path(candidate.data)),
     }
 
 
 def score_latent_item(item: LatentItem) -> dict[str, Any]:
     """The record of an item."""
-    codec = load_codec(item.judged)
+    codec = load_codec(item.candidate)
     if item.stage == "reconstruction":
         return _reconstruction_record(codec, _held_out(item)[item.number])
     if item.stage == "interpolation":
-        a, b, kind = draw_pairs(item.judged.data, item.amounts.pairs)[item.number]
+        a, b, kind = draw_pairs(item.candidate.data, item.amounts.pairs)[item.number]
         return {"kind": kind, **_interpolation_record(codec, a, b)}
     return _edit_record(codec, draw_triplets(item.recipe, item.amounts.triplets)[item.number])
 
@@ -175,16 +175,16 @@ def _reconstruction_record(codec: Codec, pattern: Pattern) -> dict[str, Any]:
 
 def _interpolation_record(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
     start, end = codec.latents([a, b])
-    way = [
+    steps = [
         _measure_latent(codec, start + share * (end - start))
         for share in np.linspace(0, 1, INTERPOLATION_STEPS)
     ]
-    patterns = [one.pattern for one in way if one.pattern is not None]
-    worn = [one.silhouette for one in way if one.silhouette is not None]
-    topologies = [one.topology for one in way]
+    patterns = [one.pattern for one in steps if one.pattern is not None]
+    worn = [one.silhouette for one in steps if one.silhouette is not None]
+    topologies = [one.topology for one in steps]
     return {
-        "valid": [one.valid for one in way],
-        "faults": [one.fault for one in way],
+        "valid": [one.valid for one in steps],
+        "faults": [one.fault for one in steps],
         "changes": sum(x != y for x, y in pairwise(topologies)),
         "outline jump": _jump([outline_distance(x, y) for x, y in pairwise(patterns)]),
         "silhouette jump": _jump([silhouette_distance(x, y) for x, y in pairwise(worn)]),
@@ -193,15 +193,15 @@ def _interpolation_record(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any
 
 def _edit_record(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-    pushed, plain = edit(codec, a, b, c), edit(codec, a, b, c, reprojections=0, strengths=(1.0,))
-    told = {"settled and pushed": _score_edit(_measure_step(pushed.garment), triplet)}
-    if pushed.strength == 1:
-        told["settled"] = told["settled and pushed"]
+    strongest, plain = edit(codec, a, b, c), edit(codec, a, b, c, reprojections=0, strengths=(1.0,))
+    results = {"settled and pushed": _score_edit(_measure_step(strongest.garment), triplet)}
+    if strongest.strength == 1:
+        results["settled"] = results["settled and pushed"]
     else:
         settled = edit(codec, a, b, c, strengths=(1.0,))
-        told["settled"] = _score_edit(_measure_step(settled.garment), triplet)
-    told["as in the paper"] = _score_edit(_measure_step(plain.garment), triplet)
-    return {"edit": triplet.edit.name, **told}
+        results["settled"] = _score_edit(_measure_step(settled.garment), triplet)
+    results["as in the paper"] = _score_edit(_measure_step(plain.garment), triplet)
+    return {"edit": triplet.edit.name, **results}
 
 
 def _score_edit(found: MeasuredGarment, triplet: Triplet) -> dict[str, Any]:
@@ -216,7 +216,7 @@ def _score_edit(found: MeasuredGarment, triplet: Triplet) -> dict[str, Any]:
 
 
 def _outcome(found: MeasuredGarment, triplet: Triplet) -> str:
-    """Whose topology the garment has after an edit."""
+    """The garment whose topology the result of an edit has."""
     if not found.topology:
         return "no garment"
     names = {"intended": triplet.truth, "as C, unchanged": triplet.c, "as B": triplet.b}
@@ -237,18 +237,18 @@ def _measure_step(step: DecodedGarment) -> MeasuredGarment:
 
 
 def _jump(steps: Sequence[float]) -> float | None:
-    """Largest step over the mean one; 1 is perfectly even."""
+    """Largest step over the mean step; 1 for uniform steps."""
     return float(np.max(steps) / np.mean(steps)) if len(steps) and np.mean(steps) > 0 else None
 
 
 @cache
-def load_codec(judged: Candidate) -> Codec:
+def load_codec(candidate: Candidate) -> Codec:
     """A network, loaded once in each process."""
-    if not judged.folder:
-        return PlainCodec(int(read_summary(Path(judged.data))["grid"]))
-    if judged.level is None:
-        return VectorCodec(Path(judged.folder))
-    return RasterCodec(LatentSpace.load(judged.folder), judged.level)
+    if not candidate.folder:
+        return PlainCodec(int(read_summary(Path(candidate.data))["grid"]))
+    if candidate.level is None:
+        return VectorCodec(Path(candidate.folder))
+    return RasterCodec(LatentSpace.load(candidate.folder), candidate.level)
 
 
 @cache
@@ -264,7 +264,7 @@ def _test_split(data: str) -> tuple[list[Pattern], list[str]]:
 
 
 def _held_out(item: LatentItem) -> list[Pattern]:
-    patterns, _ = _test_split(item.judged.data)
+    patterns, _ = _test_split(item.candidate.data)
     order = np.random.default_rng(SEED).permutation(len(patterns))
     return [patterns[k] for k in order[: item.amounts.garments]]
 
@@ -295,17 +295,17 @@ def draw_triplets(recipe: str, count: int) -> list[Triplet]:
 def summarise_latent(stage: str, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Figures of a stage, each with its interval of 95 %."""
     found = [record for record in records if "lost" not in record]
-    told: dict[str, Any] = {"measured": len(found), "lost": len(records) - len(found)}
+    summary: dict[str, Any] = {"measured": len(found), "lost": len(records) - len(found)}
     if not found:
-        return told
+        return summary
     for group, rows in _groups(stage, found):
         if "becomes" in rows[0]:
-            told[f"{group}becomes"] = dict(Counter(row["becomes"] for row in rows).most_common())
+            summary[f"{group}becomes"] = dict(Counter(row["becomes"] for row in rows).most_common())
         for name, values in _values(stage, rows):
             known = [v for v in values if v is not None]
             if known:
-                told[f"{group}{name}"] = asdict(interval(known))
-    return told
+                summary[f"{group}{name}"] = asdict(interval(known))
+    return summary
 
 
 def _groups(
@@ -319,8 +319,8 @@ def _groups(
     else:
         for edit in dict.fromkeys(record["edit"] for record in records):
             rows = [record for record in records if record["edit"] == edit]
-            for way in [key for key in rows[0] if key != "edit"]:
-                yield f"{edit}, {way}: ", [row[way] for row in rows]
+            for variant in [key for key in rows[0] if key != "edit"]:
+                yield f"{edit}, {variant}: ", [row[variant] for row in rows]
 
 
 def _values(
@@ -340,5 +340,5 @@ def _values(
 
 
 def describe_run(networks: Sequence[Candidate], amounts: LatentAmounts) -> dict[str, Any]:
-    """What a result was measured on."""
+    """Networks and amounts of a result, as plain data."""
     return {"networks": [asdict(each) for each in networks], "amounts": asdict(amounts)}

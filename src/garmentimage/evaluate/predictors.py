@@ -1,4 +1,4 @@
-"""Who guesses patterns from pictures: cascades, baselines, and anchors that need no network."""
+"""Predictors of patterns from pictures: cascades, other networks, and baselines without one."""
 
 import json
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 PredictorKind = Literal["cascade", "slots", "nearest", "random", "flags", "types", "vectors"]
 TEACHER_STAGES: tuple[PredictorKind, ...] = ("flags", "types", "vectors")
-"""Cascades that are given the truth, up to flags, edge types, or all: what each network loses."""
+"""Cascades with ground truth up to flags, edge types, or all: the error of each stage."""
 SEED = 30
 THUMBNAIL = 32
 """Pixels a side at which pictures are compared."""
@@ -31,19 +31,19 @@ THUMBNAIL = 32
 
 @dataclass(frozen=True)
 class Predictor:
-    """Who guesses."""
+    """A predictor, by its network and settings."""
 
     name: str
-    """Networks of one name differ in their seed only, and count as one."""
+    """Networks of one name differ only in their seed, and are averaged."""
     kind: PredictorKind
     folder: str = ""
     """Of the network, if it is one."""
     level: RepairLevel = "full"
-    """Of repair, where images are guessed."""
+    """Of repair, if images are predicted."""
 
     @property
     def key(self) -> str:
-        """A name that no other has: of its records."""
+        """A unique name, for its records."""
         parts = [self.name, self.level if self.level != "full" else "", Path(self.folder).name]
         if self.folder and Path(self.folder).name == "model":
             parts[-1] = Path(self.folder).parent.name
@@ -52,13 +52,13 @@ class Predictor:
 
 @dataclass(frozen=True)
 class PredictedPattern:
-    """A guessed pattern."""
+    """A predicted pattern."""
 
     pattern: Pattern | None
     fault: str
-    """Why it cannot be cut and sewn; empty where it can."""
+    """Why it cannot be cut and sewn; empty if it can."""
     repairs: dict[str, int]
-    """What was repaired, and how often."""
+    """Number of repairs by rule."""
     confidence: float | None = None
 
 
@@ -71,41 +71,41 @@ class PredictFunction(Protocol):
 
 
 @cache
-def load_predictor(guesser: Predictor, data: str, held_out: str = "") -> PredictFunction:
-    """A guesser at work, made once in each process.
+def load_predictor(predictor: Predictor, data: str, held_out: str = "") -> PredictFunction:
+    """Load a predictor, once in each process.
 
     Args:
-        guesser: who.
-        data: folder of the dataset, for those who remember its training garments.
-        held_out: a type that they do not remember.
+        predictor: the predictor.
+        data: folder of the dataset, for the nearest training picture.
+        held_out: a type to leave out of it.
 
     Raises:
         LearnError: its network cannot be read.
     """
-    folder = Path(guesser.folder)
-    if guesser.kind == "cascade":
-        return _Cascade(PatternPredictor(folder), guesser.level)
-    if guesser.kind == "slots":
+    folder = Path(predictor.folder)
+    if predictor.kind == "cascade":
+        return _Cascade(PatternPredictor(folder), predictor.level)
+    if predictor.kind == "slots":
         return _Slots(folder)
-    if guesser.kind == "nearest":
+    if predictor.kind == "nearest":
         return _Nearest(data, held_out)
-    if guesser.kind == "random":
+    if predictor.kind == "random":
         return _random
-    return _TeacherForced(folder, guesser.kind, guesser.level)
+    return _TeacherForced(folder, predictor.kind, predictor.level)
 
 
 def predictor_kind(folder: Path) -> PredictorKind:
-    """What a folder holds.
+    """The kind of predictor in a folder.
 
     Raises:
-        LearnError: nothing that guesses patterns.
+        LearnError: there is none.
     """
     if (folder / PREDICTOR_FILE).is_file():
         return "cascade"
     if _slot_network(folder):
         return "slots"
     raise LearnError(
-        f"{shown_path(folder)}: holds no network that makes patterns of pictures; give the folder "
+        f"{shown_path(folder)}: holds no network from pictures to patterns; give the folder "
         "`model` of a run"
     )
 
@@ -127,7 +127,7 @@ class _Cascade:
 
 
 class _TeacherForced:
-    """The same, but told the truth of some of it."""
+    """A cascade whose first stages are replaced by ground truth (teacher forcing)."""
 
     def __init__(self, folder: Path, given: PredictorKind, level: RepairLevel) -> None:
         import torch
@@ -199,11 +199,11 @@ def _validated(pattern: Pattern) -> PredictedPattern:
     return PredictedPattern(pattern, faults[0] if faults else "", {})
 
 
-# --- Anchors -------------------------------------------------------------------------------------
+# --- Baselines -----------------------------------------------------------------------------------
 
 
 class _Nearest:
-    """The garment of that picture of the training split which is nearest to it."""
+    """The garment of the nearest picture in the training split."""
 
     def __init__(self, data: str, held_out: str) -> None:
         from garmentimage.dataset import read_tables
@@ -216,7 +216,7 @@ class _Nearest:
             types, patterns, pictures = (
                 table[name].to_pylist() for name in ("type", "pattern", PICTURE_COLUMN)
             )
-            for name, pattern, picture in zip(types, patterns, pictures):
+            for name, pattern, picture in zip(types, patterns, pictures, strict=True):
                 if name != held_out:
                     self.patterns.append(pattern)
                     thumbs.append(thumbnail(read_pixels(picture["bytes"])))
@@ -231,14 +231,15 @@ class _Nearest:
 
 
 def thumbnail(picture: UInt8[np.ndarray, "3 row col"]) -> Float32[np.ndarray, " number"]:
-    """A picture as few numbers."""
+    """A reduced picture as a vector."""
     size = picture.shape[1] // THUMBNAIL
     blocks = picture.reshape(3, THUMBNAIL, size, THUMBNAIL, size).astype(np.float32)
-    return blocks.mean((2, 4)).ravel()
+    reduced: Float32[np.ndarray, " number"] = blocks.mean((2, 4)).ravel()
+    return reduced
 
 
 def _random(album: "ImageSplit", number: int) -> PredictedPattern:
-    """Any other garment of the same type: what knowing the type alone is worth."""
+    """A random other garment of the same type: the value of knowing only the type."""
     from garmentimage.dataset import parse_patterns
 
     others = [k for k, t in enumerate(album.types) if t == album.types[number] and k != number]
@@ -250,10 +251,10 @@ def _random(album: "ImageSplit", number: int) -> PredictedPattern:
 
 
 def predictors_from_names(names: Sequence[str]) -> list[Predictor]:
-    """Guessers from `NAME=FOLDER`, or folders alone; cascades first.
+    """Predictors from `NAME=FOLDER` or folders alone; cascades first.
 
     Raises:
-        LearnError: a folder that holds none.
+        LearnError: a folder holds none.
     """
     found = []
     for each in names:
@@ -263,4 +264,4 @@ def predictors_from_names(names: Sequence[str]) -> list[Predictor]:
             place = place / "model"
         label = name or (place.parent.name if place.name == "model" else place.name)
         found.append(Predictor(label, predictor_kind(place), str(place)))
-    return sorted(found, key=lambda guesser: guesser.kind != "cascade")
+    return sorted(found, key=lambda predictor: predictor.kind != "cascade")

@@ -1,7 +1,7 @@
-"""Prompts of editing by text, and how the result of each is judged: by geometry, not by a network.
+"""Prompts for the evaluation of editing by text, each with a geometric test of its result.
 
-A prompt is asked only of garments of which it is not true already. "Long" and the like are judged
-against the garment as it was: what is asked for is a change.
+A prompt is applied only to garments of which it is not yet true. "Long" and the like are tested
+against the garment before the edit: they ask for a change.
 """
 
 from collections.abc import Callable
@@ -23,29 +23,29 @@ from garmentimage.text_edit import (
 
 @dataclass(frozen=True)
 class Prompt:
-    """A text, and what it asks for."""
+    """A text with its test."""
 
     text: str
     group: Literal["topology", "parts", "geometry"]
     region: EditedRegion
     """Where the garment may change."""
     is_achieved: Callable[[ShapeAttributes, ShapeAttributes], bool]
-    """Whether a garment, the second, is what the text makes of the first."""
+    """Test of the attributes before and after an edit."""
 
 
 PROMPTS = (
-    Prompt("pants", "topology", "below the waist", lambda a, b: b.legs),
-    Prompt("skirt", "topology", "below the waist", lambda a, b: not b.legs),
-    Prompt("dress", "topology", "below the waist", lambda a, b: not b.legs and b.pieces == 1),
-    Prompt("two pieces", "topology", "below the waist", lambda a, b: b.pieces == 2),
-    Prompt("long sleeves", "parts", "sleeves", lambda a, b: (b.sleeves or 0) >= LONG_SLEEVE_CM),
+    Prompt("pants", "topology", "below the waist", lambda _, b: b.legs),
+    Prompt("skirt", "topology", "below the waist", lambda _, b: not b.legs),
+    Prompt("dress", "topology", "below the waist", lambda _, b: not b.legs and b.pieces == 1),
+    Prompt("two pieces", "topology", "below the waist", lambda _, b: b.pieces == 2),
+    Prompt("long sleeves", "parts", "sleeves", lambda _, b: (b.sleeves or 0) >= LONG_SLEEVE_CM),
     Prompt(
         "short sleeves",
         "parts",
         "sleeves",
-        lambda a, b: b.sleeves is not None and b.sleeves <= SHORT_SLEEVE_CM,
+        lambda _, b: b.sleeves is not None and b.sleeves <= SHORT_SLEEVE_CM,
     ),
-    Prompt("sleeveless", "parts", "sleeves", lambda a, b: b.sleeves is None),
+    Prompt("sleeveless", "parts", "sleeves", lambda _, b: b.sleeves is None),
     Prompt(
         "long",
         "geometry",
@@ -75,11 +75,11 @@ ALREADY_TRUE: dict[str, Callable[[ShapeAttributes], bool]] = {
     "flared": lambda t: t.width > WIDE_CM[t.legs],
     "narrow": lambda t: t.width < NARROW_CM[t.legs],
 }
-"""Garments that are so already, of which it is not asked."""
+"""Tests of whether a prompt is true of a garment already."""
 
 
 def is_applicable(prompt: Prompt, start: ShapeAttributes) -> bool:
-    """Whether a prompt asks a garment for a change."""
+    """Whether a prompt asks for a change of a garment."""
     if prompt.group == "geometry":
         return not ALREADY_TRUE[prompt.text](start)
     return not prompt.is_achieved(start, start)

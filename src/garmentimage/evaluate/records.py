@@ -1,6 +1,6 @@
-"""Records of an evaluation: files of JSON lines in a folder, so that one that was stopped goes on.
+"""Records of an evaluation: JSON lines in a folder, so that an interrupted run resumes.
 
-`run.json` tells what they are records of; those of other networks, data or amounts are refused.
+`run.json` identifies networks, data and amounts; a folder with records of others is refused.
 """
 
 import json
@@ -16,15 +16,15 @@ RUN_FILE = "run.json"
 
 @runtime_checkable
 class RecordedItem(Protocol):
-    """One thing to measure; it can be a key of a dictionary."""
+    """One measurement; hashable."""
 
     @property
     def name(self) -> str:
-        """Of the records that its record is one of."""
+        """File of its record."""
 
     @property
     def number(self) -> int:
-        """Of its record among them."""
+        """Number of its record in the file."""
 
 
 Item = TypeVar("Item", bound=RecordedItem)
@@ -34,12 +34,13 @@ class Records:
     """The records in a folder, by name and number.
 
     Args:
-        folder: made where it is not there.
+        folder: created if needed.
         amounts: how much is measured.
-        networks: by name, what tells each from others; those of earlier calls stay.
+        networks: by name, what identifies each; networks of earlier calls are kept.
 
     Raises:
-        LearnError: the folder holds records of others, is damaged, or cannot be used.
+        LearnError: the folder holds records of other networks, data or amounts, is damaged, or
+            cannot be used.
     """
 
     def __init__(
@@ -47,20 +48,20 @@ class Records:
     ) -> None:
         self.folder = folder
         self._known: dict[str, dict[int, dict[str, Any]]] = {}
-        told = json.loads(json.dumps({"amounts": dict(amounts), "networks": dict(networks)}))
+        wanted = json.loads(json.dumps({"amounts": dict(amounts), "networks": dict(networks)}))
         file = folder / RUN_FILE
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            found = json.loads(file.read_text(encoding="utf-8")) if file.exists() else told
-            others = [name for name in told["networks"] if name in found["networks"]]
-            if found["amounts"] != told["amounts"] or any(
-                found["networks"][name] != told["networks"][name] for name in others
+            found = json.loads(file.read_text(encoding="utf-8")) if file.exists() else wanted
+            others = [name for name in wanted["networks"] if name in found["networks"]]
+            if found["amounts"] != wanted["amounts"] or any(
+                found["networks"][name] != wanted["networks"][name] for name in others
             ):
                 raise LearnError(
                     f"{shown_path(folder)}: holds records of other networks, data or amounts; "
                     "choose another folder"
                 )
-            told["networks"] = found["networks"] | told["networks"]
+            wanted["networks"] = found["networks"] | wanted["networks"]
         except OSError as error:
             raise LearnError(
                 f"{shown_path(folder)}: cannot be used ({error.strerror}); choose another folder"
@@ -69,22 +70,22 @@ class Records:
             if isinstance(error, LearnError):
                 raise
             raise LearnError(f"{shown_path(file)}: is damaged; choose another folder") from None
-        write_atomically(file, json.dumps(told, indent=1) + "\n")
+        write_atomically(file, json.dumps(wanted, indent=1) + "\n")
 
-    def kept(self, name: str, number: int) -> dict[str, Any] | None:
-        """The record of a name and a number, if it is there."""
+    def get(self, name: str, number: int) -> dict[str, Any] | None:
+        """A record, if it exists."""
         if name not in self._known:
             self._known[name] = self._read(self._file(name))
         return self._known[name].get(number)
 
-    def keep(self, name: str, number: int, record: Mapping[str, Any]) -> None:
+    def append(self, name: str, number: int, record: Mapping[str, Any]) -> None:
         """Add a record."""
         file = self._file(name)
         line = json.dumps({"number": number, **record}) + "\n"
         if file.exists():
-            kept = file.read_text(encoding="utf-8")
-            whole = kept[: kept.rfind("\n") + 1]
-            if whole != kept:  # the end of a line that was being written when it was stopped
+            text = file.read_text(encoding="utf-8")
+            whole = text[: text.rfind("\n") + 1]
+            if whole != text:  # the start of a line, written when the run was interrupted
                 write_atomically(file, whole)
         with file.open("a", encoding="utf-8") as opened:
             opened.write(line)
@@ -97,26 +98,27 @@ class Records:
         workers: int,
         time_limit: float,
         progress: Callable[[int, int], None],
-        is_whole: Callable[[Item, Mapping[str, Any]], bool] = lambda item, record: True,
-        begin: Callable[[Sequence[Item]], None] = lambda missing: None,
+        is_whole: Callable[[Item, Mapping[str, Any]], bool] = lambda *_: True,
+        begin: Callable[[Sequence[Item]], None] = lambda _: None,
     ) -> dict[Item, dict[str, Any]]:
-        """The records of all items; what is not there is measured now, and kept.
+        """The records of all items; missing ones are measured and stored.
 
         Args:
-            items: what there should be records of.
-            work: measures an item, in a process of its own.
+            items: to measure.
+            work: measures an item, in another process.
             workers: processes.
-            time_limit: for an item, and for what its process must load before it [s].
-            progress: called with how many are done, and of how many.
-            is_whole: whether a record holds all that is wanted of its item.
-            begin: called with what will be measured, if anything.
+            time_limit: of an item, including what its process loads first [s].
+            progress: called with the number of complete items, and of all.
+            is_whole: whether a record has everything that is wanted of its item.
+            begin: called with the items that will be measured, if any.
 
         Returns:
-            By item; who was lost has a record `lost` that says why, and is tried again next time.
+            By item; an item whose process hung or died has a record `lost` with the reason, and is
+            measured again by the next run.
         """
         found = {}
         for item in items:
-            record = self.kept(item.name, item.number)
+            record = self.get(item.name, item.number)
             if record is not None and is_whole(item, record):
                 found[item] = record
         missing = [item for item in items if item not in found]
@@ -129,7 +131,7 @@ class Records:
                 found[item] = {"lost": made.reason}
             else:
                 found[item] = made
-                self.keep(item.name, item.number, made)
+                self.append(item.name, item.number, made)
             progress(len(found), len(items))
         return found
 
@@ -141,7 +143,7 @@ class Records:
             return {}
         lines = file.read_text(encoding="utf-8").split("\n")
         try:
-            # The last one has no end where a run was stopped while it wrote.
+            # The last line is incomplete if the run was interrupted in writing it.
             found = [json.loads(line) for line in lines[:-1]]
             return {int(line.pop("number")): line for line in found}
         except (ValueError, KeyError, TypeError, AttributeError):

@@ -86,7 +86,7 @@ def evaluate_text_edits(
     *,
     validation: bool = False,
     workers: int = 2,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> dict[str, Any]:
     """Apply every editing method to the same garments and prompts.
 
@@ -249,7 +249,9 @@ def held_out_garments(data: str, split: str) -> list[Pattern]:
 
     texts: dict[str, list[str]] = {}
     for table in read_tables(data, split, ["type", "pattern"]):
-        for name, text in zip(table["type"].to_pylist(), table["pattern"].to_pylist()):
+        for name, text in zip(
+            *(table[each].to_pylist() for each in ("type", "pattern")), strict=True
+        ):
             texts.setdefault(name, []).append(text)
     random = np.random.default_rng(SEED)
     for group in texts.values():
@@ -266,7 +268,9 @@ def _nearest_caption(data: str, text: str) -> Pattern:
 
     first: dict[str, str] = {}
     for table in read_tables(data, "train", ["captions", "pattern"]):
-        for captions, pattern in zip(table["captions"].to_pylist(), table["pattern"].to_pylist()):
+        for captions, pattern in zip(
+            *(table[each].to_pylist() for each in ("captions", "pattern")), strict=True
+        ):
             for caption in captions:
                 first.setdefault(caption, pattern)
     captions = list(first)

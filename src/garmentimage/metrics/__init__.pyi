@@ -39,3 +39,7 @@ from .similarity import (
     likeness as likeness,
     likeness_summary as likeness_summary,
 )
+from .tables import (
+    markdown_table as markdown_table,
+    plain_table as plain_table,
+)

@@ -1,4 +1,4 @@
-"""How much of a garment an edit left as it was."""
+"""How much of a garment an edit preserved."""
 
 from typing import TYPE_CHECKING, Literal
 
@@ -13,21 +13,25 @@ if TYPE_CHECKING:
     from shapely import Geometry
 
 MIN_AREA_CM2 = 100.0
-"""Pieces of a panel above the waist that are smaller are not looked at [cm2]."""
+"""Parts of a panel above the waist that are smaller are ignored [cm2]."""
 
 EditedRegion = Literal["sleeves", "below the waist"]
 
 
 def preserved_iou(region: EditedRegion, start: Pattern, end: Pattern | None) -> float:
-    """How much of what an edit is not about stays: the mean IoU of the panels there.
+    """Mean IoU of the panels outside the edited region, before and after an edit.
 
-    Where sleeves may change, all panels but them are looked at, else all that is of any panel above
-    the waist. Centroids are aligned, as in `panel_iou`; what is missing or new counts 0.
+    If sleeves may change, all other panels are compared, else the parts of panels above the waist.
+    Centroids are aligned, as in `panel_iou`, panels in front and behind are paired separately
+    (Hungarian method), and unpaired ones count 0.
 
     Args:
         region: where the garment may change.
-        start: as it was.
-        end: as it is; None, or a pattern that cannot be drawn, keeps nothing.
+        start: the garment before the edit.
+        end: after it; None, or a pattern that cannot be drawn, gives 0.
+
+    Returns:
+        From 0 to 1; 1 if there is nothing to compare.
     """
     import shapely
     from scipy.optimize import linear_sum_assignment
@@ -46,7 +50,7 @@ def preserved_iou(region: EditedRegion, start: Pattern, end: Pattern | None) -> 
 
 
 def _frozen_region(pattern: Pattern, region: EditedRegion, is_front: bool) -> "list[Geometry]":
-    """What of each panel should stay, its centroid at the origin, before the body or behind it."""
+    """The parts of panels to preserve, centred at the origin, in front of the body or behind it."""
     import shapely
     import shapely.affinity
 

@@ -1,13 +1,13 @@
-"""The figures of published codes, to the letter: the same names stand for different sums there.
+"""The figures of published codes, reproduced exactly: equal names mean different formulas there.
 
-Words of this file:
+Terms:
 
-- A **slot** is a place in a fixed list of panels. Panels of those codes live in slots, by name;
-  empty slots and edges that are not there are zeros ("padding").
-- A row of an edge is (dx, dy, cx, cy): to its end [cm], and its control point along it and to its
-  left, per length. A straight edge has (0, 0) there.
-- Rotations are quaternions (x, y, z, w); a translation is the world position of the middle of that
-  side of the panel's bounding box which is highest [cm] ("universal" in those codes).
+- A **slot** is a position in a fixed list of panels, addressed by the name of the panel; empty
+  slots and missing edges are zeros ("padding").
+- A row of an edge is (dx, dy, cx, cy): the vector to its end [cm], and its control point along the
+  edge and to its left, relative to its length. A straight edge has control point (0, 0).
+- Rotations are quaternions (x, y, z, w); a translation is the world position of the midpoint of the
+  highest side of the panel's bounding box [cm] ("universal" in those codes).
 
 Modes: `neuraltailor` (Korosteleva and Lee 2022), `sewformer` (Liu et al. 2023), `aipparel`
 (Nakayama et al. 2025).
@@ -28,11 +28,11 @@ from garmentimage.pattern import Edge, Loop, Panel, Pattern, Quadratic, Side
 MAX_SLOT_EDGES = 14
 """Most edges of a panel in those codes."""
 PADDING_ATOL = 0.07
-"""How near to padding, in standardised units, a row counts as padding."""
+"""Rows of smaller magnitude count as padding [standardised units]."""
 CLOSED_CM = 3.0
-"""A loop that misses its start by more, in x or in y, has one more edge [cm]."""
+"""An open loop with a larger gap, in x or y, has one more edge [cm]."""
 MIN_EDGES = 3
-"""A panel has this many, or it is none."""
+"""Slots with fewer edges are not panels."""
 STRAIGHT = 1e-6
 
 Stitch = frozenset[tuple[int, int]]
@@ -67,15 +67,15 @@ def slots_of(
         pattern: the garment.
         names: a name for each slot.
         edges: rows of a slot.
-        like: the true garment, whose panels are called as the slots are. The panels of `pattern`
+        like: the true garment, whose panels have the names of the slots. The panels of `pattern`
             may then have any names, frames and first edges, as those of a decoded image have: each
             takes the slot, frame and start of its counterpart (`pair_garments`), and those without
             one the first slots that are left.
 
     Raises:
-        PatternError: a panel that is in no slot, has holes, or has too many edges; a panel twice,
-            or a stitch that names nothing.
-        ValueError: a slot has two names, or none.
+        PatternError: a panel has no slot, holes, or too many edges; or a stitch refers to a
+            missing edge.
+        ValueError: names of slots repeat, or there are too few edges.
     """
     if len(set(names)) != len(names) or edges < MIN_EDGES:
         raise ValueError(f"slots need names of their own, and {MIN_EDGES} edges or more")
@@ -111,7 +111,7 @@ def slots_of(
 
 
 def _drawn_like(pattern: Pattern, like: Pattern, names: Sequence[str]) -> Pattern:
-    """The same garment, its panels called, framed and begun as their counterparts in `like`."""
+    """The same garment with names, frames and first edges of its counterparts in `like`."""
     pairing = pair_garments(like, pattern)
     name = {other: one for one, other in pairing.matching.panel_map.items()}
     left = [slot for slot in names if slot not in pairing.matching.panel_map]
@@ -138,7 +138,7 @@ def _drawn_like(pattern: Pattern, like: Pattern, names: Sequence[str]) -> Patter
 
 
 def _first_edge(panel: Panel, like: Panel) -> int:
-    """The edge that starts nearest to where the outline of `like` does, centres on each other."""
+    """The edge that starts nearest to the start of the outline of `like`, centroids aligned."""
     wanted = like.outline.curves[0].start - centroid(like.outline.fine_polygon)
     starts = np.array([curve.start for curve in panel.outline.curves])
     gaps = starts - centroid(panel.outline.fine_polygon) - wanted
@@ -146,7 +146,7 @@ def _first_edge(panel: Panel, like: Panel) -> int:
 
 
 def universal_translation(panel: Panel) -> Float[np.ndarray, "3"]:
-    """World position of the middle of that side of the panel's bounding box which is highest."""
+    """World position of the midpoint of the highest side of the panel's bounding box [cm]."""
     corners = np.array(panel.outline.vertices)
     low, high = corners.min(0), corners.max(0)
     middle = (low + high) / 2
@@ -169,12 +169,12 @@ def tag_stitches(
     free: Float[np.ndarray, "slot edge"],
     there: Bool[np.ndarray, "slot edge"],
 ) -> frozenset[Stitch]:
-    """Stitches of edges that carry tags: the closest two first, each edge once.
+    """Stitches from tags of edges: the closest pair first, each edge once.
 
     Args:
         tags: of every edge.
-        free: how likely it is sewn to none; above 0.5 it is left out.
-        there: which edges are no padding.
+        free: probability that it is not sewn; above 0.5 it is left out.
+        there: which edges are not padding.
 
     Raises:
         ValueError: tags that are not finite.
@@ -208,12 +208,12 @@ def published_figures(
         truths: true patterns.
         found: predicted ones, in the same slots.
         mode: `neuraltailor`, `sewformer` or `aipparel`.
-        scale: what rows of edges were divided by while training, [4]; 1 cm where it is not known.
+        scale: of the rows of edges in training, [4]; 1 cm by default.
 
     Returns:
         `panel_l2`, `panels`, `edges`, `rotation_l2`, `translation_l2`, `stitch_precision`,
-        `stitch_recall`, and `stitch_f1` or `accuracy` where the code has them. NaN where nothing
-        counts.
+        `stitch_recall`, and `stitch_f1` or `accuracy` where the code has them. NaN where
+        nothing counts.
 
     Raises:
         ValueError: there is no such mode, or the patterns are not of the same slots, as many, and
@@ -242,16 +242,16 @@ def published_figures(
 
 
 def _slotwise(
-    truths: Sequence[Slots], found: Sequence[Slots], units: np.ndarray, looked_at: int
+    truths: Sequence[Slots], found: Sequence[Slots], units: np.ndarray, padding_columns: int
 ) -> dict[str, float]:
-    """Slot by slot; `looked_at`: how many numbers of a row tell whether it is padding."""
+    """Slot by slot; padding is recognised by the first `padding_columns` numbers of a row."""
     shapes: list[float] = []
     right: list[bool] = []
     shares: list[float] = []
     scores: list[tuple[float, float, float]] = []
-    for truth, other in zip(truths, found):
+    for truth, other in zip(truths, found, strict=True):
         counts = truth.counts
-        seen = [_edge_count(rows, units, looked_at) for rows in other.edges]
+        seen = [_edge_count(rows, units, padding_columns) for rows in other.edges]
         shapes += [
             _shape_distance(truth.edges[k][:n], other.edges[k][:n])
             for k, n in enumerate(counts)
@@ -259,11 +259,11 @@ def _slotwise(
         ]
         panels = sum(n >= MIN_EDGES for n in counts)
         right.append(panels == sum(n >= MIN_EDGES for n in seen))
-        agree = sum(n >= MIN_EDGES and n == m for n, m in zip(counts, seen))
+        agree = sum(n >= MIN_EDGES and n == m for n, m in zip(counts, seen, strict=True))
         shares.append(agree / panels)
         scores.append(_stitch_scores(truth.stitches, other.stitches))
-    precision, recall, f1 = (_mean(values) for values in zip(*scores))
-    told = {
+    precision, recall, f1 = (_mean(values) for values in zip(*scores, strict=True))
+    figures = {
         "panel_l2": _mean(shapes),
         "panels": _mean(right),
         "edges": _mean(shares),
@@ -272,11 +272,11 @@ def _slotwise(
         "stitch_precision": precision,
         "stitch_recall": recall,
     }
-    return told | ({"stitch_f1": f1} if looked_at == 2 else {})
+    return figures | ({"stitch_f1": f1} if padding_columns == 2 else {})
 
 
-def _edge_count(rows: np.ndarray, units: np.ndarray, looked_at: int) -> int:
-    there = np.any(np.abs(rows / units)[:, :looked_at] > PADDING_ATOL, axis=1)
+def _edge_count(rows: np.ndarray, units: np.ndarray, padding_columns: int) -> int:
+    there = np.any(np.abs(rows / units)[:, :padding_columns] > PADDING_ATOL, axis=1)
     count = int(there.sum())
     missed = rows[there, :2].sum(0) if count else np.zeros(2)
     return count + int(np.any(np.abs(missed) > CLOSED_CM))
@@ -286,7 +286,7 @@ def _norms(truths: Sequence[Slots], found: Sequence[Slots], name: str) -> list[f
     """Distances in all slots, padding as well."""
     return [
         float(value)
-        for truth, other in zip(truths, found)
+        for truth, other in zip(truths, found, strict=True)
         for value in np.linalg.norm(getattr(truth, name) - getattr(other, name), axis=1)
     ]
 
@@ -296,7 +296,7 @@ def _norms(truths: Sequence[Slots], found: Sequence[Slots], name: str) -> list[f
 
 def _by_order(truths: Sequence[Slots], found: Sequence[Slots]) -> dict[str, float]:
     shapes, right, shares, rotations, translations, recall = [], [], [], [], [], []
-    for truth, other in zip(truths, found):
+    for truth, other in zip(truths, found, strict=True):
         ours = [k for k, n in enumerate(truth.counts) if n >= MIN_EDGES]
         theirs = [k for k, n in enumerate(other.counts) if n >= MIN_EDGES]
         agree = sum(k in ours and truth.counts[k] == other.counts[k] for k in theirs)
@@ -304,14 +304,14 @@ def _by_order(truths: Sequence[Slots], found: Sequence[Slots]) -> dict[str, floa
         right.append(len(ours) == len(theirs))
         if not right[-1]:
             continue
-        pairs = list(zip(ours, theirs))
+        pairs = list(zip(ours, theirs, strict=True))
         shapes.append(_mean([_shape_distance(truth.edges[i], other.edges[j]) for i, j in pairs]))
         for i, j in pairs:
             turned, wanted = other.rotations[j], truth.rotations[i]
-            ways = (np.linalg.norm(turned - wanted), np.linalg.norm(turned + wanted))
-            rotations.append(float(min(ways)))
-            moved = truth.translations[i] - other.translations[j]
-            translations.append(float(np.linalg.norm(moved)))
+            distances = (np.linalg.norm(turned - wanted), np.linalg.norm(turned + wanted))
+            rotations.append(float(min(distances)))
+            offset = truth.translations[i] - other.translations[j]
+            translations.append(float(np.linalg.norm(offset)))
         recall.append(_stitch_scores(truth.stitches, other.stitches)[1])
     return {
         "panel_l2": _mean(shapes),
@@ -324,7 +324,7 @@ def _by_order(truths: Sequence[Slots], found: Sequence[Slots]) -> dict[str, floa
     }
 
 
-# --- what they share -----------------------------------------------------------------------------
+# --- Common --------------------------------------------------------------------------------------
 
 
 def _shape_distance(a: Float[np.ndarray, "edge 4"], b: Float[np.ndarray, "edge 4"]) -> float:

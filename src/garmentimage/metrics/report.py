@@ -22,7 +22,7 @@ DIGITS = 6
 def report_to_json(reports: Sequence[FileReport], grid: int) -> dict[str, Any]:
     """A report as plain data: grid, versions, figures for each kind, and every file.
 
-    It holds no path beyond a file's folder and name, so it can be kept and compared.
+    It has no path beyond a file's folder and name, so it can be kept and compared.
     """
     data = {
         "version": REPORT_VERSION,
@@ -45,7 +45,8 @@ def report_to_json(reports: Sequence[FileReport], grid: int) -> dict[str, Any]:
             for report in reports
         ],
     }
-    return _rounded(data)
+    rounded: dict[str, Any] = _rounded(data)
+    return rounded
 
 
 def _trip_to_json(trip: RoundTrip) -> dict[str, Any]:

@@ -1,9 +1,9 @@
-"""The round trip: a pattern through an image and back, judged by `compare.compare_patterns`.
+"""Round trips: a pattern encoded as an image and decoded again, judged by `compare_patterns`.
 
-`roundtrip_file` takes a pattern file all the way, through a saved image and a saved pattern, twice:
-with the marks of the image (names and own frames of panels, which panels were cut in two) and with
-the marks deleted. Without marks the frame of a panel is unknown, so panels may lie mirrored or
-turned by quarters; and panels that were cut to lie on both layers stay cut.
+`roundtrip_file` goes through files, a saved image and a saved pattern, twice: with the marks of the
+image (names and frames of panels, which panels were cut in two) and without. Without marks the
+frame of a panel is unknown, so panels may be mirrored or rotated by quarter turns; and panels that
+were cut to lie on both layers remain cut.
 """
 
 import json
@@ -21,6 +21,7 @@ import numpy as np
 
 from garmentimage.compare import RoundtripResult, compare_patterns
 from garmentimage.errors import GarmentImageError
+from garmentimage.metrics.tables import plain_table
 from garmentimage.pattern import Pattern
 from garmentimage.system import Outcome, TimedOut, map_in_processes
 
@@ -28,24 +29,24 @@ if TYPE_CHECKING:
     from garmentimage.raster import GarmentImage
 
 TIME_LIMIT_S = 60.0
-"""Time that one file may take before it is given up [s]."""
+"""Time limit of one file [s]."""
 
 SECOND_CLOTH_LAYER = "collar or lapel"
-"""How the kind of a design ends that needs a second cloth layer."""
+"""Suffix of the kind of designs that need a second layer of cloth."""
 
 
 @dataclass(frozen=True)
 class RoundTrip:
-    """One way there and back: the judge's result, or the error that ended it."""
+    """One round trip: the judge's result, or the error that ended it."""
 
     result: RoundtripResult | None = None
     stage: str = ""
-    """Step that failed: load, encode, save image, load image, decode, save, reload, judge."""
+    """Failed step: load, encode, save image, load image, decode, save, reload, judge."""
     error: str = ""
-    """Class of the error that ended the trip."""
+    """Class of the error."""
     message: str = ""
     grid: int | None = None
-    """The smallest grid that would do, where the encoder knows."""
+    """The smallest grid that would suffice, where the encoder knows."""
     times: Mapping[str, float] = field(default_factory=dict)
     """Duration of each step [s]."""
 
@@ -60,19 +61,19 @@ class FileReport:
     """The round trip of one file."""
 
     file: str
-    """Folder and name, without the way there."""
+    """Folder and name."""
     kind: str
     with_marks: RoundTrip
     without_marks: RoundTrip
     cut_panels: int = 0
-    """Panels that were cut to lie on both layers; without marks they stay cut."""
+    """Panels that were cut to lie on both layers; without marks they remain cut."""
     is_first: bool = False
-    """The first file of its process: its times hold what compiling took, too."""
+    """The first file of its process, whose times include compilation."""
 
 
 @dataclass(frozen=True)
 class KindSummary:
-    """Figures of all files of one kind; those of quality leave out files that ended in an error."""
+    """Figures of all files of one kind; quality is that of files without an error."""
 
     kind: str
     files: int
@@ -81,24 +82,24 @@ class KindSummary:
     cut_files: int
     """Files with cut panels, which cannot succeed without marks."""
     errors: Mapping[str, int]
-    """Errors that ended a trip with marks, by class."""
+    """Errors with marks, by class."""
     iou_mean: float | None
     """Mean over all panels."""
     iou_min: float | None
     boundary_gap: float | None
-    """Largest distance of a boundary from what it should be [cm]."""
+    """Largest distance of a boundary from the original [cm]."""
     seam_agreement: float | None
     """Mean over the files."""
     encode_ms: float | None
-    """Median time [ms], the first file of each process left out."""
+    """Median time [ms], without the first file of each process."""
     decode_ms: float | None
     """As `encode_ms`."""
 
 
 def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
-    """Take one pattern file to an image file and back, with and without marks, and judge it.
+    """Round trips of one pattern file, with and without marks.
 
-    Errors end a trip and are told in the report; none is raised, not even for our own mistakes.
+    Errors are reported, not raised, even those that are bugs.
     """
     from garmentimage.pattern.files import read_pattern
     from garmentimage.raster import save_image
@@ -127,7 +128,7 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
 
 
 def _reconstruct(original: Pattern, saved: Path, folder: Path, *, keep_marks: bool) -> RoundTrip:
-    """From a saved image to a saved pattern, and what the judge says of it."""
+    """Decode a saved image to a saved pattern, and judge it."""
     from garmentimage.pattern.files import read_pattern, save_pattern
     from garmentimage.raster import load_image, save_image
     from garmentimage.raster.decode import decode
@@ -152,11 +153,11 @@ def _reconstruct(original: Pattern, saved: Path, folder: Path, *, keep_marks: bo
 
 
 class _Clock:
-    """Times the steps of a trip and knows in which one it ended."""
+    """Measures the steps of a round trip, and knows which one failed."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        """Left out of messages: a report should not depend on where files lie."""
+        """Removed from messages: a report should not depend on the location of files."""
         self.times: dict[str, float] = {}
         self.stage = ""
 
@@ -169,11 +170,11 @@ class _Clock:
 
     @contextmanager
     def catching(self) -> Iterator[list[RoundTrip]]:
-        """Any error inside ends here; the list then holds the trip that it ended."""
+        """Catch any error; the list then holds the failed round trip."""
         failed: list[RoundTrip] = []
         try:
             yield failed
-        except Exception as error:  # One file's failure must not end a run over thousands.
+        except Exception as error:  # noqa: BLE001 - a failure must not end a run over thousands
             grid = getattr(error, "grid", None) if isinstance(error, GarmentImageError) else None
             failed.append(
                 RoundTrip(
@@ -199,8 +200,8 @@ def roundtrip_many(
     Args:
         paths: pattern files.
         grid: cells along each side.
-        workers: processes; default: one for each core. 0: all in this process, no time limit.
-        progress: called with each report as it comes, in no fixed order.
+        workers: processes; default: one for each core. 0: this process, no time limit.
+        progress: called with each report, in order of completion.
         time_limit: a file that takes longer [s] counts as an error.
     """
     work = partial(roundtrip_file, grid=grid)
@@ -226,11 +227,11 @@ def roundtrip_many(
 
 
 def garment_kind(path: str | Path) -> str:
-    """What kind of garment a file holds: its folder's name.
+    """The kind of garment in a file: the name of its folder.
 
     A folder of designs may have a manifest, FOLDER_manifest.json in it or beside it: a list of
-    designs with `id` and `collar_panels`. Designs with such panels are a kind of their own, since
-    a collar or lapel is a second layer of cloth.
+    designs with `id` and `collar_panels`. Designs with such panels are a separate kind, since a
+    collar or lapel is a second layer of cloth.
     """
     path = Path(path).resolve()
     folder = path.parent.name
@@ -292,7 +293,7 @@ def _median_ms(reports: Sequence[FileReport], step: str) -> float | None:
 
 
 def summary_table(rows: Sequence[KindSummary]) -> str:
-    """The figures as a table of plain text."""
+    """Figures as a table of plain text."""
     head = (
         "kind",
         "files",
@@ -326,18 +327,7 @@ def summary_table(rows: Sequence[KindSummary]) -> str:
         )
         for row in rows
     ]
-    widths = [max(len(line[k]) for line in (head, *body)) for k in range(len(head))]
-    return "\n".join(_table_line(line, widths) for line in (head, *body))
-
-
-def _table_line(line: tuple[str, ...], widths: Sequence[int]) -> str:
-    """First and last column to the left, figures to the right."""
-    last = len(line) - 1
-    cells = [
-        text.ljust(width) if k in (0, last) else text.rjust(width)
-        for k, (text, width) in enumerate(zip(line, widths))
-    ]
-    return "  ".join(cells).rstrip()
+    return plain_table(head, body, left=(0, len(head) - 1))
 
 
 def _shown(value: float | None, digits: int) -> str:

@@ -1,9 +1,9 @@
-"""What a garment is like, read off its pattern by geometry: what edits by text are judged by.
+"""Shape attributes of a garment, measured on its pattern; edits by text are judged by them.
 
-All of it is told from the front panels as they stand at the body, in world coordinates [cm]: x to
-the wearer's left, y up from the floor. No network has a say. Panels that come from a network's
-image stand only about where they should: sleeves too near the body, legs over each other. So shapes
-are read, and of places no more than which side a panel is on, and how high.
+They are measured on the front panels placed at the body, in world coordinates [cm]: x to the
+wearer's left, y up from the floor. Panels decoded from a network's image are placed roughly, with
+sleeves too near the body and overlapping legs. So shapes are measured precisely, and of positions
+only the side and the height of a panel are used.
 """
 
 from collections.abc import Sequence
@@ -18,38 +18,38 @@ from garmentimage.compare import drawing_faults, loop_polygon
 from garmentimage.pattern import Pattern
 
 SIDE = 4.0
-"""Panels whose middle is further than this from the body's middle are of one side [cm]."""
+"""A panel belongs to a side if its centre is further than this from the centre of the body [cm]."""
 SLEEVE_BELOW = 30.0
-"""They are sleeves if that middle is no lower than this under the top of the garment [cm]."""
+"""It is a sleeve if its centre is less than this below the top of the garment [cm]."""
 LEVELS = (3.0, 6.0, 9.0)
-"""Heights above the hem at which legs are looked for [cm]."""
+"""Heights above the hem at which legs are detected [cm]."""
 LEG_GAP, APART = 0.5, 0.2
-"""Legs are further apart than the first at the hem, moved so that they are as far apart as the
-second where they come nearest to each other [cm]."""
+"""Overlapping legs are moved apart until their smallest distance is the second; they count as legs
+if their distance at the hem is more than the first [cm]."""
 MIDDLE = 12.0
-"""The gap between them is no further than this from the body's middle [cm]."""
+"""The gap between them is at most this far from the centre of the body [cm]."""
 MIDDLE_LINES = (-9.0, 9.0)
-"""Where panels that lie on top of each other are counted [cm]."""
+"""x of the vertical lines along which panels are counted [cm]."""
 
 
 @dataclass(frozen=True)
 class ShapeAttributes:
-    """What a garment is like."""
+    """Attributes of a garment, on the default body."""
 
     legs: bool
     """Two separate pieces of cloth at the hem."""
     pieces: int
-    """Panels on top of each other in front, without sleeves: 2 where there is a waist seam."""
+    """Front panels one above the other, without sleeves: 2 if there is a waist seam."""
     sleeves: float | None
     """Length of the sleeves along the arm [cm]; None without."""
     length: float
     """From the waist of the default body down to the hem [cm]."""
     width: float
-    """Of the front at the hem, of one leg where there are legs [cm]."""
+    """Of the front at the hem, or of one leg [cm]."""
 
 
 def measure_shape(pattern: Pattern | None) -> ShapeAttributes | None:
-    """What a garment is like; None where there is nothing to see in front."""
+    """Shape attributes of a pattern; None if it cannot be drawn or has no front panels."""
     if pattern is None or any(drawing_faults(panel) for panel in pattern.panels):
         return None
     sides = [each for each in panels_at_body(pattern) if each.is_front]
@@ -72,7 +72,7 @@ def measure_shape(pattern: Pattern | None) -> ShapeAttributes | None:
 
 @dataclass(frozen=True)
 class PanelAtBody:
-    """A panel as it stands at the body, seen from the front."""
+    """A panel at the body, projected on the frontal plane."""
 
     outline: Float[np.ndarray, "n 2"]
     is_front: bool
@@ -80,7 +80,7 @@ class PanelAtBody:
 
 
 def panels_at_body(pattern: Pattern) -> list[PanelAtBody]:
-    """The panels of a pattern, and which of them are sleeves."""
+    """The panels of a pattern at the body."""
     worlds = [panel.to_world(loop_polygon(panel.outline)) for panel in pattern.panels]
     top = max((float(world[:, 1].max()) for world in worlds), default=0.0)
     return [
@@ -104,12 +104,18 @@ def _beside(outlines: Sequence[Float[np.ndarray, "_ 2"]]) -> list[Float[np.ndarr
         int(np.sign(x)) if abs(x := float(_middle(each)[0])) > SIDE else 0 for each in outlines
     ]
     ends = [
-        min((float((side * each[:, 0]).min()) for each, s in zip(outlines, sides) if s == side))
+        min(
+            (
+                float((side * each[:, 0]).min())
+                for each, s in zip(outlines, sides, strict=True)
+                if s == side
+            )
+        )
         for side in (1, -1)
         if side in sides
     ]
     move = max(APART - sum(ends), 0.0) / 2 if len(ends) == 2 else 0.0
-    return [each + np.array([side * move, 0.0]) for each, side in zip(outlines, sides)]
+    return [each + np.array([side * move, 0.0]) for each, side in zip(outlines, sides, strict=True)]
 
 
 def _cut(outlines: Sequence[Float[np.ndarray, "_ 2"]], height: float) -> list[tuple[float, float]]:
@@ -128,7 +134,7 @@ def _stacked(outlines: Sequence[Float[np.ndarray, "_ 2"]], x: float) -> int:
 def _crossed(
     outline: Float[np.ndarray, "n 2"], *, axis: int, at: float
 ) -> list[tuple[float, float]]:
-    """Where a line lies within an outline, by the even-odd rule."""
+    """Intervals of a line inside an outline, by the even-odd rule."""
     after = np.roll(outline, -1, axis=0)
     a, b = outline[:, axis] - at, after[:, axis] - at
     crossing = (a < 0) != (b < 0)
@@ -138,9 +144,9 @@ def _crossed(
     return [(float(s), float(e)) for s, e in places.reshape(-1, 2)]
 
 
-def _is_split(stretches: Sequence[tuple[float, float]]) -> bool:
+def _is_split(intervals: Sequence[tuple[float, float]]) -> bool:
     """Whether there is a gap near the middle of the body, with cloth on both sides of it."""
     return any(
         start - end > LEG_GAP and abs(start + end) / 2 < MIDDLE
-        for (_, end), (start, _) in pairwise(stretches)
+        for (_, end), (start, _) in pairwise(intervals)
     )

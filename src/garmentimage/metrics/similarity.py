@@ -1,9 +1,9 @@
-"""How near a predicted pattern comes to the true one: our own figures, of one garment and of many.
+"""Similarity of a predicted pattern to the true one, for one garment and over many.
 
 Panels are paired by shape, place and seams (`pair_garments`), in whatever frames they are drawn;
 missing and extra ones count as an IoU of 0.
-Places and stitches are compared on paired panels by points of their outlines, so that nothing
-depends on names, on where a loop starts, or on where edges are cut: a raster cuts them elsewhere.
+Placement and stitches are compared on paired panels by points of their outlines, so that nothing
+depends on names, on the start of a loop, or on the division into edges, which a raster changes.
 The figures of published codes are in `published_figures`.
 """
 
@@ -29,14 +29,14 @@ from garmentimage.metrics.intervals import Interval, interval
 from garmentimage.pattern import Panel, Pattern, Side
 
 MIN_SHARE = 0.5
-"""Edges and stitches are the same where this share of their length is."""
+"""Edges and stitches are equal if more than this share of their length agrees."""
 EDGE_POINTS, FINE_POINTS, CHORDS = 16, 64, 32
-"""Points of an edge by which it is looked for, those among which it is, and chords of curves."""
+"""Sample points of an edge to match, those of the edges to match it to, and chords of a curve."""
 
 
 @dataclass(frozen=True)
 class Scores:
-    """Stitches that are right, of so many found, and of so many true ones."""
+    """Counts of correct stitches, for precision and recall."""
 
     right_found: int
     """Found stitches that are true."""
@@ -47,12 +47,12 @@ class Scores:
 
     @property
     def precision(self) -> float:
-        """Where none was found 0, or 1 if there is none to find."""
+        """If there are no stitches found: 1 if there are no true ones, else 0."""
         return self.right_found / self.found if self.found else float(not self.true)
 
     @property
     def recall(self) -> float:
-        """1 where there is none to find."""
+        """1 if there are no true stitches."""
         return self.right_true / self.true if self.true else 1.0
 
     @property
@@ -69,34 +69,34 @@ class Likeness:
     panel_iou: float
     """Mean over panels, centroids aligned; missing and extra ones count 0."""
     panel_l2: float | None
-    """Mean distance of outlines at equal arc length [cm]; None where no panel has a counterpart."""
+    """Mean distance of outlines at equal arc length [cm]; None if no panel has a counterpart."""
     panels: bool
-    """As many panels as there should be."""
+    """The number of panels is right."""
     edges: float
-    """Share of the true panels whose counterpart has as many edges."""
+    """Share of the true panels whose counterpart has the same number of edges."""
     rotation: float | None
-    """Mean angle between panels as they stand at the body [degree]."""
+    """Mean angle between panels placed at the body [degree]."""
     translation: float | None
-    """Mean distance of panels' middles at the body [cm]."""
+    """Mean distance of the centres of panels placed at the body [cm]."""
     by_edge: Scores
-    """Stitches as pairs of edges, each edge found again on the other outline."""
+    """Stitches as pairs of edges, each matched to an edge of the other outline."""
     by_length: Scores
-    """Stitches of which half the length or more joins what it should."""
+    """Stitches that are right over at least half of their length."""
     topology: bool
     """The same panels sewn together in the same order; lengths may differ."""
     valid: bool
     """Can be cut and sewn, see `pattern_faults`."""
 
     def figures(self) -> dict[str, float | None]:
-        """All of it as numbers from 0 to 1, centimetres and degrees, by name."""
-        told: dict[str, float | None] = {}
+        """All figures by name, as numbers from 0 to 1, centimetres or degrees."""
+        figures: dict[str, float | None] = {}
         for name, value in vars(self).items():
             if isinstance(value, Scores):
                 for score in ("precision", "recall", "f1"):
-                    told[f"stitch_{score}_{name}"] = getattr(value, score)
+                    figures[f"stitch_{score}_{name}"] = getattr(value, score)
             else:
-                told[name] = None if value is None else float(value)
-        return told
+                figures[name] = None if value is None else float(value)
+        return figures
 
 
 NOTHING = Scores(0, 0, 0, 0)
@@ -108,18 +108,20 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
     Panels that cross themselves are read by the even-odd rule, so that they are not all wrong.
 
     Args:
-        truth: what it should be.
-        found: what was predicted; None, or one with panels that cannot be drawn or stitches that
-            name nothing, has nothing right.
+        truth: the true pattern.
+        found: the predicted pattern; None, or one with panels that cannot be drawn or stitches
+            that refer to missing edges, scores 0.
 
     Raises:
-        PatternError: the true pattern has no panels, or stitches that name nothing.
-        TypeError: one is no pattern.
+        PatternError: the true pattern has no panels, or stitches that refer to missing edges.
+        TypeError: an argument is not a pattern.
     """
     for pattern in (truth,) if found is None else (truth, found):
         check_type(pattern, Pattern, "load_pattern(path) reads one")
     if not truth.panels or stitch_faults(truth):
-        raise PatternError("a true pattern without panels, or with stitches that name nothing")
+        raise PatternError(
+            "a true pattern without panels, or with stitches that refer to missing edges"
+        )
     missed = Scores(0, 0, 0, max(len(truth.stitches), 1))  # one, so that nothing is right
     if (
         found is None
@@ -132,7 +134,7 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
     matching, seen = pairing.matching, pairing.found
     pairs = [(truth.by_name[p.a], seen.by_name[p.b]) for p in matching.pairs]
     counts = [len(a.edges) == len(b.edges) for a, b in pairs]
-    turns, moves = zip(*(_standing_apart(a, b) for a, b in pairs))
+    turns, moves = zip(*(_displacement(a, b) for a, b in pairs), strict=True)
     is_valid = not structure_faults(found) and not ratio_faults(pairing.graphs[1])
     by_edge, by_length = _stitch_scores(truth, seen, matching.panel_map)
     return Likeness(
@@ -152,7 +154,7 @@ def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
 def likeness_summary(
     found: Sequence[Likeness], *, draped: Sequence[bool] | None = None, seed: int = 0
 ) -> dict[str, Interval | float]:
-    """Figures over many garments, with intervals of 95 % (bootstrap over garments).
+    """Figures over many garments, with 95 % intervals (bootstrap over garments).
 
     Args:
         found: of each garment.
@@ -160,41 +162,41 @@ def likeness_summary(
         seed: of the bootstrap.
 
     Returns:
-        Means of every figure; of stitches precision, recall and F1 by garment, and over all
-        stitches together ("micro"). Distances and angles are of garments of which a panel was
-        found; how many is told by `n`.
+        Means of every figure; precision, recall and F1 of stitches per garment, and F1 over all
+        stitches together ("micro"). Distances and angles are averaged over the garments with a
+        paired panel; `n` is their number.
 
     Raises:
-        ValueError: there are no garments, or `draped` tells of more or fewer.
+        ValueError: there are no garments, or `draped` has another length.
     """
     if not found or (draped is not None and len(draped) != len(found)):
-        told_of = "" if draped is None else f", {len(draped)} of them told of draping"
-        raise ValueError(f"{len(found)} garments{told_of}; give one or more, and tell of each")
-    told: dict[str, Interval | float] = {}
+        values = "" if draped is None else f" and {len(draped)} values of draped"
+        raise ValueError(f"{len(found)} garments{values}; give one or more, and a value for each")
+    summary: dict[str, Interval | float] = {}
     rows = [each.figures() for each in found]
     for name in rows[0]:
         known = [value for value in (row[name] for row in rows) if value is not None]
         if known:
-            told[name] = interval(known, seed=seed)
+            summary[name] = interval(known, seed=seed)
     for how in ("by_edge", "by_length"):
         scores = [getattr(each, how) for each in found]
         sums = Counter[str]()
         for score in scores:
             sums.update(asdict(score))
         whole = Scores(**{name: sums[name] for name in asdict(NOTHING)})
-        told[f"stitch_f1_{how}_micro"] = whole.f1
+        summary[f"stitch_f1_{how}_micro"] = whole.f1
     if draped is not None:
-        told["draped"] = interval([float(each) for each in draped], seed=seed)
-    return told
+        summary["draped"] = interval([float(each) for each in draped], seed=seed)
+    return summary
 
 
-# --- Places -----------------------------------------------------------------------------------
+# --- Placement -----------------------------------------------------------------------------------
 
 
-def _standing_apart(a: Panel, b: Panel) -> tuple[float, float]:
-    """Angle [degree] and distance of middles [cm] between two panels that stand at a body.
+def _displacement(a: Panel, b: Panel) -> tuple[float, float]:
+    """Angle [degree] and distance of centres [cm] between two panels placed at a body.
 
-    What is turned is the outline of `a`, to where the outline of `b` is.
+    The angle is that of the rotation which best aligns the outline of `a` to that of `b` (Kabsch).
     """
     from scipy.spatial.transform import Rotation
 
@@ -203,7 +205,7 @@ def _standing_apart(a: Panel, b: Panel) -> tuple[float, float]:
     )
     apart = float(np.linalg.norm(ours.mean(0) - theirs.mean(0)))
     ours, theirs = ours - ours.mean(0), theirs - theirs.mean(0)
-    if np.abs(theirs).max() < 1e-6:  # a panel of no size stands in no direction
+    if np.abs(theirs).max() < 1e-6:  # a panel of no size has no direction
         return 0.0, apart
     turn, _ = Rotation.align_vectors(theirs, ours)
     return float(np.degrees(turn.magnitude())), apart
@@ -235,7 +237,7 @@ def _stitch_scores(
 
 
 def _count_joined(one: Pattern, other: Pattern, shares: Mapping[Side, Mapping[Side, float]]) -> int:
-    """Stitches of one pattern of which half or more is sewn in the other, too."""
+    """Stitches of one pattern of which at least half is sewn in the other, too."""
     count = 0
     for stitch in one.stitches:
         a, b = (shares.get(side, {}) for side in stitch.sides)
@@ -251,20 +253,20 @@ def _count_joined(one: Pattern, other: Pattern, shares: Mapping[Side, Mapping[Si
 def _shares(
     one: Pattern, other: Pattern, panel_map: Mapping[str, str]
 ) -> dict[Side, dict[Side, float]]:
-    """For each edge of paired panels, shares of its length that lie at edges of the counterpart."""
-    told: dict[Side, dict[Side, float]] = {}
+    """For each edge of paired panels, shares of its length by nearest edge of the counterpart."""
+    shares: dict[Side, dict[Side, float]] = {}
     for name, counterpart in panel_map.items():
         near = _nearest_edges(one.by_name[name], other.by_name[counterpart])
         for edge, labels in enumerate(near):
             counts = Counter(labels.tolist())
-            told[Side(name, edge)] = {
+            shares[Side(name, edge)] = {
                 Side(counterpart, label): n / len(labels) for label, n in counts.items()
             }
-    return told
+    return shares
 
 
 def _nearest_edges(a: Panel, b: Panel) -> Int[np.ndarray, "edge point"]:
-    """For points along each edge of `a`, the nearest edge of `b`, both made as wide and as high."""
+    """For points along each edge of `a`, the nearest edge of `b`, in coordinates of the boxes."""
     from scipy.spatial import cKDTree
 
     ours, theirs = _edge_points(a, EDGE_POINTS), _edge_points(b, FINE_POINTS)
@@ -274,13 +276,13 @@ def _nearest_edges(a: Panel, b: Panel) -> Int[np.ndarray, "edge point"]:
 
 
 def _edge_points(panel: Panel, count: int) -> Float[np.ndarray, "edge point 2"]:
-    """Points at equal distances along each edge, its ends left out [cm]."""
+    """Points at equal distances along each edge, without its ends [cm]."""
     at = (np.arange(count) + 0.5) / count
     return np.stack([resample(curve.sample(CHORDS), at) for curve in panel.curves])
 
 
 def _in_a_box(points: np.ndarray, panel: Panel) -> np.ndarray:
-    """Points seen from the box round a panel's outline, whose sides are 1 long."""
+    """Points in coordinates of the bounding box of a panel's outline, from 0 to 1."""
     corners = loop_polygon(panel.outline)
     low, high = corners.min(axis=0), corners.max(axis=0)
     return np.asarray((points - low) / np.maximum(high - low, 1e-9))

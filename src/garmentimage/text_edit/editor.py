@@ -113,7 +113,7 @@ class TextEditor:
         strength: float = 1.0,
         steps: int = DEFAULT_STEPS,
         max_attempts: int = MAX_ATTEMPTS,
-        progress: Callable[[int, int], None] = lambda step, steps: None,
+        progress: Callable[[int, int], None] = lambda *_: None,
     ) -> TextEdit:
         """Edit a garment; geometry checks the result and may start another attempt.
 
@@ -178,7 +178,7 @@ class TextEditor:
         return np.ascontiguousarray(upright.numpy())
 
 
-def run_edit(
+def run_edit(  # noqa: PLR0913 - the settings of an edit, keyword-only
     z: Float[Tensor, " latent"],
     pictures: ImageDecoder,
     guidance: Guidance,
@@ -189,7 +189,7 @@ def run_edit(
     steps: int,
     boost: float = 1.0,
     region: EditedRegion | None = None,
-    progress: Callable[[int, Tensor], None] = lambda step, z: None,
+    progress: Callable[[int, Tensor], None] = lambda *_: None,
 ) -> Float[Tensor, " latent"]:
     """Edit a latent vector once, without checks.
 

@@ -161,7 +161,7 @@ class ScoreDistillation:
             sds = sds - self.sds_gradient(
                 source, self._fill(prompt) if prompt else "", times, noise
             )
-        sds = sds.unflatten(0, (-1, self.noise_samples)).mean(1)
+        sds = sds.reshape(-1, self.noise_samples, *sds.shape[1:]).mean(1)
         (gradient,) = torch.autograd.grad(encoded, leaf, sds)
         return gradient
 
@@ -194,7 +194,7 @@ class ScoreDistillation:
         return self._embeddings[prompt]
 
 
-def optimise_latent(
+def optimise_latent(  # noqa: PLR0913 - terms of the loss, keyword-only
     start: Float[Tensor, " latent"],
     draw: Callable[[Float[Tensor, "n latent"]], Pictures],
     guidance: Guidance,
@@ -204,7 +204,7 @@ def optimise_latent(
     learning_rate: float,
     distance_weight: float,
     keep_weight: Float[Tensor, "pixel_row pixel_col"] | None = None,
-    progress: Callable[[int, Tensor], None] = lambda step, z: None,
+    progress: Callable[[int, Tensor], None] = lambda *_: None,
 ) -> Float[Tensor, " latent"]:
     """Optimise a latent vector so that its picture matches a text.
 
@@ -239,7 +239,7 @@ def optimise_latent(
         if keep_weight is not None:
             loss = loss + (keep_weight * (picture - first) ** 2).sum()
         optimizer.zero_grad()
-        loss.backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         optimizer.step()
         if not z.isfinite().all():
             raise LearnError(

@@ -85,7 +85,8 @@ class StableDiffusion:
         upright = pictures.flip(2).to(self.device, self.kind)
         large = functional.interpolate(upright, (self.size, self.size), mode="bilinear")
         latents = self.pipe.vae.encode(2 * large - 1).latent_dist.mean
-        return (latents * self.pipe.vae.config.scaling_factor).float()
+        scaled: Tensor = latents * self.pipe.vae.config.scaling_factor
+        return scaled.float()
 
     def alpha_sigma(self, times: Float[Tensor, " n"]) -> tuple[Tensor, Tensor]:
         """Factors of picture and noise, at the nearest step of the model's own schedule."""
@@ -143,7 +144,7 @@ def _pipeline(model: str) -> Any:
             local_files_only=is_local,
             low_cpu_mem_usage=False,
         )
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001 - errors of four libraries and of the network
         raise _load_error(model, error) from None
 
 
@@ -189,7 +190,7 @@ def _check_class(pipeline: Any, model: str, is_local: bool) -> None:
         with warnings.catch_warnings():  # huggingface_hub warns of how diffusers calls it
             warnings.filterwarnings("ignore", "The `local_dir_use_symlinks` argument")
             found = pipeline.load_config(model, local_files_only=is_local).get("_class_name")
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001 - errors of four libraries and of the network
         raise _load_error(model, error) from None
     if found != pipeline.__name__:
         raise LearnError(
