@@ -90,7 +90,8 @@ def panels_at_body(pattern: Pattern) -> list[PanelAtBody]:
 
 
 def _is_sleeve(outline: Float[np.ndarray, "n 2"], top: float) -> bool:
-    return abs(_middle(outline)[0]) > SIDE and bool(_middle(outline)[1] > top - SLEEVE_BELOW)
+    x, y = _middle(outline)
+    return bool(abs(x) > SIDE and y > top - SLEEVE_BELOW)
 
 
 def _middle(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
