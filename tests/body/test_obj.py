@@ -212,7 +212,7 @@ def bad_bodies():
     yield "legs only", points, faces[low[faces].all(1)], "is open: a hole 39.* units across"
     yield "head missing", points, faces[(points[:, 1] < 143)[faces].all(1)], "is open"
     yield "feet missing", points, faces[high[faces].all(1)], "has no feet"
-    yield "nan", broken, faces, "no numbers"
+    yield "nan", broken, faces, "not finite"
     yield "giant", points * 30, faces, "units high"
     yield "lying", points @ turn(0, 40).T, faces, "leans by 40 degrees"
     yield "few", points[:4], np.array([[0, 1, 2]]), "triangles"

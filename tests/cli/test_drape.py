@@ -131,7 +131,7 @@ def test_maps_tell_the_same_view_as_the_picture(capsys, tmp_path, glb):
 def test_more_panels_than_a_palette_holds_are_refused(glb):
     views = gi.photograph(gi.load_drape(glb), size=16)
     views.panel[0, 0] = MAX_PANELS + 1
-    with pytest.raises(gi.RenderError, match="tells 254 of them"):
+    with pytest.raises(gi.RenderError, match="distinguishes 254 of them"):
         panel_numbers(views)
 
 

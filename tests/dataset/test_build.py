@@ -81,7 +81,7 @@ def test_a_folder_with_fewer_unseen_rows_is_another_dataset(tmp_path):
 
 
 def test_a_shard_has_the_same_bytes_every_time_and_tells_what_failed():
-    (shard,) = [s for s in plan_shards(small("x", 20)) if s.name.startswith("validation")]
+    (shard,) = [s for s in plan_shards(small(Path("x"), 20)) if s.name.startswith("validation")]
     assert make_shard(shard) == make_shard(shard)
     failed = FailedRow("id", "drape", "too tight")
     raw = shard_bytes(SMALL, 16, [], [failed], shard.identity())
@@ -222,7 +222,7 @@ def linked(shard: Path) -> None:
 
 
 def of_other_rows(shard: Path) -> None:
-    (other,) = [s for s in plan_shards(small("x", 5, seed=1)) if s.name == shard.name]
+    (other,) = [s for s in plan_shards(small(Path("x"), 5, seed=1)) if s.name == shard.name]
     shard.write_bytes(make_shard(other))
 
 
@@ -370,7 +370,7 @@ def test_the_command_builds_and_goes_on(capsys, tmp_path):
 def test_rasters_keep_their_numbers(tmp_path):
     import pyarrow.parquet as pq
 
-    (shard,) = [s for s in plan_shards(small("x", 20)) if s.name.startswith("test")]
+    (shard,) = [s for s in plan_shards(small(Path("x"), 20)) if s.name.startswith("test")]
     (tmp_path / shard.name).write_bytes(make_shard(shard))
     row = pq.read_table(tmp_path / shard.name).to_pylist()[0]
     from garmentimage.dataset.row import make_row

@@ -63,7 +63,7 @@ def test_rows_keep_their_split_in_a_larger_dataset_and_all_splits_have_their_sha
     seen, unseen = small.types
     splits = [small.split(seen, k) for k in range(1000)]
     assert {name: n / 1000 for name, n in Counter(splits).items()} == dict(
-        zip(SPLITS, SHARES, strict=True)
+        zip(SPLITS, SHARES, strict=False)  # unseen has no share
     )
     assert {small.split(unseen, k) for k in range(100)} == {"unseen"}
 

@@ -73,6 +73,7 @@ def test_missing_splits_columns_and_types_are_refused(tmp_path, folder):
         RowStream(folder, columns=["picture"])
 
 
+@pytest.mark.wrong_types
 def test_invalid_types_and_seeds_are_refused(folder):
     for options, sentence in (
         ({"without": "skirt"}, r"given as a list, \['skirt'\]"),

@@ -92,9 +92,9 @@ def circle_skirt(degrees: float, *, waist: float, length: float, height: float =
     outline = Loop(
         tuple((float(x), float(y + inner)) for x, y in corners),
         (
-            Edge(0, 1, Circle(outer, half > np.pi / 2, True)),
+            Edge(0, 1, Circle(outer, bool(half > np.pi / 2), True)),
             Edge(1, 2),
-            Edge(2, 3, Circle(inner, half > np.pi / 2, False)),
+            Edge(2, 3, Circle(inner, bool(half > np.pi / 2), False)),
             Edge(3, 0),
         ),
     )

@@ -191,7 +191,7 @@ def circle_skirt(half: float) -> Pattern:
     bands = tuple(p for p in skirt.panels if "waistband" in p.name)
     radius = bands[0].curves[0].length / (2 * half)
     ends = [(r * np.sin(a), -r * np.cos(a)) for r in (radius, radius + 40) for a in (-half, half)]
-    large = half > np.pi / 2
+    large = bool(half > np.pi / 2)
     edges = (
         Edge(0, 1, Circle(radius, large, True)),
         Edge(1, 3),

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 RESAMPLES = 2000
 MAX_NUMBERS = 10_000_000
@@ -21,7 +22,7 @@ class Interval:
     """Number of values."""
 
 
-def interval(values: Sequence[float], *, seed: int = 0) -> Interval:
+def interval(values: Sequence[float] | Float[np.ndarray, " n"], *, seed: int = 0) -> Interval:
     """Mean of one or more values with its 95 % interval, rounded to four decimals.
 
     Raises:
