@@ -147,13 +147,14 @@ def test_a_killed_build_is_resumed(tmp_path):
     build_dataset(small(whole))
     code = f"""
 from pathlib import Path
-from tests.dataset.test_build import build, small
+from tests.dataset.test_build import build_dataset, small
 if __name__ == "__main__":
-    build(small(Path({str(cut)!r})), workers=1)
+    build_dataset(small(Path({str(cut)!r})), workers=1)
 """
     script = tmp_path / "run.py"
     script.write_text(code)
-    env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    places = [str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")]
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))}
     driver = subprocess.Popen([sys.executable, str(script)], env=env, start_new_session=True)
     try:
         limit = time.monotonic() + 120

@@ -117,7 +117,7 @@ def test_a_network_is_not_measured_on_what_it_may_have_learnt_from(
     (copied / "run.json").write_text(json.dumps(told))
     words = ["evaluate", "image", "--data", str(pictured), "-o", str(tmp_path / "out"), *SMALL]
     assert main([*words, "--network", str(copied)]) == 2
-    assert "was trained on other data than it is to be measured on" in capsys.readouterr().err
+    assert "was not trained on the dataset of this evaluation" in capsys.readouterr().err
 
 
 def test_a_type_held_out_is_measured_as_unseen_and_must_have_been_left_out(
@@ -173,7 +173,10 @@ def test_choices_are_made_on_the_validation_split_and_open_no_test(pictured, tmp
         ([], "name a dataset with --data, or a recipe with --recipe"),
         (["--recipe", "d1", "--data", "DATA"], "is of recipe d2, not 'd1'"),
         (["--data", "DATA"], "there are no networks runs/d2-*/model"),
-        (["--data", "DATA", "--network", "x=nowhere"], "nowhere: holds no network that makes"),
+        (
+            ["--data", "DATA", "--network", "x=nowhere"],
+            "nowhere: holds no network from pictures to patterns",
+        ),
         (["--data", "DATA", "--network", "RUN", "--seen", "99"], "has 3 seen garments for test; "),
         (["--data", "DATA", "--network", "RUN", "--vae", "x"], "there is no option '--vae'"),
         (

@@ -42,6 +42,8 @@ def test_a_stopped_evaluation_goes_on_and_another_is_refused(data, tmp_path):
     (tmp_path / "file").write_text("mine")
     with pytest.raises(LearnError, match="file: cannot be used"):
         measure(folder=tmp_path / "file")
-    with pytest.raises(LearnError, match=r"its test split has .* this takes 300 or more"):
+    with pytest.raises(
+        LearnError, match=r"its test split has .* at least 300 of two types are needed"
+    ):
         measure(LatentAmounts(), tmp_path / "more")
     assert json.loads((tmp_path / "run.json").read_text())["amounts"]["garments"] == 2

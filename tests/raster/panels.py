@@ -14,6 +14,7 @@ LEFT_SIDE = (0.0, 90.0, 0.0)
 
 def polygon(name, points, place, rotation=(0.0, 0.0, 0.0), holes=()):
     """A panel with straight edges; edge k leaves point k."""
+    points = [(float(x), float(y)) for x, y in points]
     return Panel(name, _loop(points), holes, translation=place, rotation=rotation)
 
 

@@ -255,7 +255,7 @@ def chord_count(curve: Curve) -> int:
 def polygon_of(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
     """A closed chain of curves as a polygon, not closed [cm]."""
     parts = [[c.start] if c.is_straight else c.at(_STARTS) for c in curves]
-    return np.concatenate(parts, dtype=float)
+    return np.concatenate(parts)
 
 
 def curvature_of(curve: Curve) -> Curvature:

@@ -1,12 +1,17 @@
 """Reading files that others made: never more than a limit, and named in every error."""
 
+import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from garmentimage.errors import GarmentImageError
 from garmentimage.system.files import shown_path
+
+CHUNK = 2**20
+"""Read at a time [bytes]."""
 
 
 def read_limited(
@@ -32,7 +37,7 @@ def read_limited(
         if must_be_ordinary and _is_pipe_or_device(Path(path)):
             raise error("is not an ordinary file; copy its content to one")
         with Path(path).open("rb") as file:
-            raw = file.read(limit + 1)
+            raw = _read(file, limit + 1)
     except FileNotFoundError:
         raise error("there is no such file; check its name") from None
     except IsADirectoryError:
@@ -45,6 +50,14 @@ def read_limited(
     if len(raw) > limit:
         raise error(f"is larger than {limit // 1_000_000} MB; {too_large}")
     return raw
+
+
+def _read(file: BinaryIO, size: int) -> bytes:
+    """At most `size` bytes; asked for all of them at once, Python makes room for them first."""
+    chunks = io.BytesIO()
+    while size > chunks.tell() and (chunk := file.read(min(CHUNK, size - chunks.tell()))):
+        chunks.write(chunk)
+    return chunks.getvalue()
 
 
 def _is_pipe_or_device(path: Path) -> bool:
