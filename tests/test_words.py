@@ -90,30 +90,13 @@ def findings(path: Path) -> list[str]:
     ]
 
 
-# The rooms that are not yet clean; take a room out as soon as it is.
-UNCLEAN = {
-    "compare",
-    "latent",
-    "learn",
-    "networks",
-    "pattern",
-    "predict",
-    "raster",
-    "src",
-    "system",
-    "weights",
-}
-
-
 def room_of(path: Path) -> str:
     parts = path.relative_to(ROOT).parts
     return parts[2] if parts[:2] == ("src", "garmentimage") and len(parts) > 3 else parts[0]
 
 
 @pytest.mark.parametrize("room", sorted({room_of(path) for path in searched()}))
-def test_plain_language(room, request):
-    if room in UNCLEAN:
-        request.applymarker(pytest.mark.xfail(reason="is being rewritten", strict=False))
+def test_plain_language(room):
     found = [line for path in searched() if room_of(path) == room for line in findings(path)]
     assert not found, "\n".join(found)
 

@@ -238,7 +238,7 @@ def test_an_item_that_hangs_or_dies_costs_only_itself():
     assert {k: v for k, v in found.items() if isinstance(v, str)} == {0: "A", 1: "B", 4: "C"}
     # Two workers, and one in the place of each that was lost.
     assert sum(outcome.is_first for outcome in outcomes) in (3, 4)
-    assert found[2] == TimedOut("took longer than 2 s and was given up")
+    assert found[2] == TimedOut("took longer than 2 s and was stopped")
     assert found[3] == TimedOut("the process died (exit code 3)")
 
 

@@ -1,4 +1,4 @@
-"""How a garment hangs together, and whether two garments hang together alike.
+"""How the panels of a garment are connected, and whether two garments are connected alike.
 
 Words of this file:
 
@@ -101,7 +101,7 @@ class StitchGraph:
 
     @cached_property
     def components(self) -> tuple[tuple[int, ...], ...]:
-        """Seam sides that hang together, largest set first."""
+        """Seam sides that are connected, largest set first."""
         joined = [(k, n) for k, s in enumerate(self.sides) for n in (s.next, s.partner)]
         found = map(tuple, connected_components(len(self.sides), joined))
         return tuple(sorted(found, key=lambda c: (-len(c), c)))

@@ -73,7 +73,7 @@ def map_in_processes(
         work: a function that a fresh process can import; it should not raise.
         items: what it is applied to; must survive pickling.
         workers: number of processes, at least 1.
-        time_limit: an item that takes longer [s] is given up and its process replaced.
+        time_limit: an item that takes longer [s] is abandoned and its process replaced.
     """
     queue = list(enumerate(items))[::-1]
     crew = [_hire(work) for _ in range(min(workers, len(items)))]
@@ -91,7 +91,7 @@ def map_in_processes(
                 if worker.connection in ready:
                     outcome: Any = _receive(worker)
                 elif monotonic() > worker.deadline:
-                    outcome = TimedOut(f"took longer than {time_limit:g} s and was given up")
+                    outcome = TimedOut(f"took longer than {time_limit:g} s and was stopped")
                 else:
                     continue
                 number, worker.item = worker.item, None

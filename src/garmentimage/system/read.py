@@ -31,7 +31,7 @@ def read_limited(
         error: what is raised; the message does not name the file, see `errors_about`.
         kind: what such a file is, as "pattern file", for the message about a folder.
         too_large: what to say about a larger file, as "export a coarser body".
-        must_be_ordinary: refuse pipes and devices, on which reading may wait for ever.
+        must_be_ordinary: refuse pipes and devices, on which reading may never end.
     """
     try:
         if must_be_ordinary and _is_pipe_or_device(Path(path)):

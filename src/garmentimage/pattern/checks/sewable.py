@@ -416,7 +416,7 @@ def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
 
 
 def _check_assembly(pattern: Pattern) -> list[Finding]:
-    """What does not hang together."""
+    """Parts that are not connected."""
     if len(pattern.panels) == 1:
         return []
     if not pattern.stitches:
@@ -442,7 +442,7 @@ def _check_assembly(pattern: Pattern) -> list[Finding]:
 
 
 def components(pattern: Pattern) -> list[list[str]]:
-    """Names of the panels that hang together by stitches, in the order of the panels."""
+    """Names of the panels that are connected by stitches, in the order of the panels."""
     number = {panel.name: k for k, panel in enumerate(pattern.panels)}
     joined = [(number[s.a.panel], number[s.b.panel]) for s in pattern.stitches]
     return [

@@ -4,7 +4,7 @@ Geometry and stitches come from the channels alone. Marks, where the image has t
 panels their names, frames and places back, and join the parts of split panels again. The steps:
 
     repair         what is inconsistent                                 raster.repair
-    label_panels   cells that hang together are a panel                 raster.cells
+    label_panels   connected cells are a panel                          raster.cells
     unfold_simply  the cells deformed to their edge vectors (Eq. 2)     unfold, outlines, boundary
     panel_frames   each panel turned into its own frame                 assemble
     fit_edges      parts joined, boundaries cut into edges and curves   fit_edges, edges, curve_fit

@@ -2,7 +2,7 @@
 
 - A **wall** is a grid edge between two inside cells that is not `NON_BOUNDARY`.
 - A **tip** is a lattice point where a chain of walls ends inside a panel.
-- A **region** is cells that hang together, as a panel does.
+- A **region** is connected cells, as a panel is.
 - An **interface** is all walls, found or merely likely, between the same two regions.
 
 Costs are negative log probabilities [nats]. A rule that weighs them changes flags and types in
@@ -80,7 +80,7 @@ def unify_seams(inside: Flags, types: Types, cost: Costs) -> int:
 
 
 def _connected(walls: list[Wall]) -> list[list[Wall]]:
-    """Walls grouped into chains that hang together."""
+    """Walls grouped into connected chains."""
     at_point: dict[tuple[int, int], list[int]] = {}
     for k, wall in enumerate(walls):
         for point in _ends(wall):

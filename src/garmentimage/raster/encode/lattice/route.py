@@ -26,11 +26,11 @@ from garmentimage.raster.encode.lattice.drawing import Drawing, Path
 from garmentimage.raster.encode.lattice.rotation import departures
 
 MAX_ROUNDS = 40
-"""Rounds of rip-up and re-route before a drawing is given up."""
+"""Rounds of rip-up and re-route before a drawing is abandoned."""
 FIRST_PRICE, DEARER = 8.0, 1.5
 """Cost of a vertex per other path on it, and by what factor it grows from round to round."""
 CLASH_COST = 4.0
-"""What a vertex costs more for ever after each round in which paths met on it."""
+"""What is added to the cost of a vertex after each round in which paths met on it."""
 MARGIN = 12
 """Free fine vertices round the drawing."""
 MAX_VERTICES = 1_000_000
