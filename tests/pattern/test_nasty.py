@@ -29,6 +29,7 @@ def nasty(tmp_path_factory):
     return unpacked("nasty/nasty_patterns.tar.xz", tmp_path_factory.mktemp("nasty"))
 
 
+@pytest.mark.timed
 @pytest.mark.parametrize(("name", "deserved", "place"), expectations())
 def test_a_nasty_file_gets_what_it_deserves(nasty, tmp_path, name, deserved, place):
     begun = time.perf_counter()

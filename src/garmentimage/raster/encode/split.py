@@ -215,7 +215,7 @@ def _wraps(split: SplitPattern, part: PanelPart, middle: float) -> bool:
     partners = [split.sewn[e][0] for e in part.loops[0] if e in split.sewn]
     owners = [split.owner(e)[0] for e in partners]
     layers = {p.layer for p in owners if abs(p.rotation[2, 2]) >= SEEN_FROM_SIDE}
-    return beyond > NEIGHBOUR_CROSSING and len(layers) == 2
+    return bool(beyond > NEIGHBOUR_CROSSING) and len(layers) == 2
 
 
 def _crossings(split: SplitPattern, part: PanelPart, middle: float) -> list[float]:
