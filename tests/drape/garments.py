@@ -21,6 +21,28 @@ def moved(pattern: Pattern, step) -> Pattern:
     )
 
 
+def sheared(pattern: Pattern, slope: float = 0.4) -> Pattern:
+    """The pattern, leaning to its wearer's left by so much of every height."""
+
+    def lean(panel: Panel) -> Panel:
+        by = slope * panel.matrix[0, 0]
+        vertices = tuple((x + by * y, y) for x, y in panel.outline.vertices)
+        x, y, z = panel.translation
+        outline = replace(panel.outline, vertices=vertices)
+        return replace(panel, outline=outline, translation=(x + slope * y, y, z))
+
+    return replace(pattern, panels=tuple(lean(p) for p in pattern.panels))
+
+
+def without(pattern: Pattern, *names: str) -> Pattern:
+    """The pattern without panels of these names."""
+    return replace(
+        pattern,
+        panels=tuple(p for p in pattern.panels if p.name not in names),
+        stitches=tuple(s for s in pattern.stitches if not {s.a.panel, s.b.panel} & set(names)),
+    )
+
+
 def world(pattern: Pattern) -> np.ndarray:
     """Points of all outlines, placed [cm]."""
     return np.concatenate([p.to_world(p.outline.polygon) for p in pattern.panels])

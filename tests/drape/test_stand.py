@@ -8,14 +8,25 @@ from garmentimage.body.body import load_body
 from garmentimage.body.body_measurements import presets
 from garmentimage.body.measure import measure
 from garmentimage.draft.kinds import draft_pattern, kinds
+from garmentimage.drape.draping import drape_pattern
 from garmentimage.drape.girths import chest_level, girth, waist_height
 from garmentimage.drape.start.placement import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, place_on_body
 from garmentimage.drape.support import SupportSite
-from garmentimage.errors import DraftError
+from garmentimage.errors import DraftError, DrapeError
+from garmentimage.pattern.checks import check_pattern, symmetry_plane
 from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
 from tests.corpus import corpus_sample
-from tests.drape.garments import circle_skirt, moved, strapless_dress, tube, unnamed, world
+from tests.drape.garments import (
+    circle_skirt,
+    moved,
+    sheared,
+    strapless_dress,
+    tube,
+    unnamed,
+    without,
+    world,
+)
 
 DRAFT_TOL_CM = 1.0
 """How far a draft for a body may be lifted on that body."""
@@ -56,6 +67,31 @@ def test_no_origin_changes_where_a_garment_stands_on_any_body(up, forward, kind,
     placed, _ = place_on_body(pattern, body)
     again, _ = place_on_body(moved(pattern, (0.0, up, forward)), body)
     assert placed_alike(again, placed)
+
+
+@pytest.mark.parametrize("left", [-60.0, -9.0, 35.0])
+@pytest.mark.parametrize("kind", kinds())
+def test_a_garment_beside_its_origin_is_worn_about_its_plane_of_symmetry(kind, left):
+    body, pattern = load_body(), draft_pattern(kind)
+    placed, (before, *_) = place_on_body(pattern, body)
+    again, (report, *_) = place_on_body(moved(pattern, (left, 20.0, -15.0)), body)
+    assert placed_alike(again, placed)
+    assert before.shift_left == 0 and report.shift_left == pytest.approx(-left)
+
+
+def test_a_garment_that_is_asymmetric_on_purpose_stays_where_it_is_drawn():
+    tee = draft_pattern("tee")
+    sleeveless = without(tee, "left_sleeve_front", "left_sleeve_back")
+    assert symmetry_plane(sleeveless) in (0.0, None)
+    _, reports = place_on_body(sleeveless, load_body())
+    assert {r.shift_left for r in reports} == {0.0}
+
+
+def test_a_garment_beside_its_wearer_without_a_plane_of_symmetry_is_refused():
+    slanted = moved(sheared(draft_pattern("tee")), (60.0, 0.0, 0.0))
+    assert [f.code for f in check_pattern(slanted)] == ["off-centre"]
+    with pytest.raises(DrapeError, match=r"\d+ cm to the left of its wearer"):
+        drape_pattern(slanted)
 
 
 @pytest.mark.parametrize("kind", kinds())

@@ -25,7 +25,7 @@ from garmentimage.drape.verdict import assess_drape
 from garmentimage.drape.world_panels import connected_garments
 from garmentimage.errors import DrapeError, check_type, quoted
 from garmentimage.pattern import Pattern, without_stubs
-from garmentimage.pattern.checks import unknown_place
+from garmentimage.pattern.checks import off_centre, unknown_place
 
 BELT_STIFFNESS = 1e5
 """With which a belt keeps each vertex at its height [dyn/cm]."""
@@ -190,7 +190,7 @@ def check_placed(pattern: Pattern) -> None:
     Raises:
         DrapeError: says what its places or its units look like, and the remedy.
     """
-    finding = unknown_place(pattern)
+    finding = unknown_place(pattern) or off_centre(pattern)
     if finding:
         name = pattern.name or "the pattern"
         raise DrapeError(f"{name} cannot be put on a body: {finding}")

@@ -13,7 +13,8 @@ itself, not bent:
 3. What is held by the **chest** has its top edge halfway from the bust points to the arms.
 4. The body is between front and back, the back close behind it.
 
-It is never moved sideways: a garment may be asymmetric on purpose.
+The whole pattern is moved sideways only where it is its own mirror image about a plane other than
+x = 0: a garment may be asymmetric on purpose.
 
 A top edge **supports** a garment only where an elastic or a belt could hold it: where it is hardly
 longer than the body is round. An edge that is labelled `waist` is drawn together as by an elastic.
@@ -42,6 +43,7 @@ from garmentimage.drape.world_panels import (
 )
 from garmentimage.errors import DraftError
 from garmentimage.pattern import Circle, Edge, Loop, Panel, Pattern, Side
+from garmentimage.pattern.checks import symmetry_plane
 
 EASE = 8.0
 """A belt draws a top edge together by this much at most [cm], so it holds where the edge is no
@@ -98,6 +100,8 @@ class Placement:
     """How far up it was moved in all, after scaling [cm]."""
     shift_forward: float
     """How far it was moved to the front [cm]."""
+    shift_left: float
+    """How far it was moved to the wearer's left, as the whole pattern was [cm]."""
     scale: float
     """What its lengths were multiplied by."""
     level: float
@@ -117,10 +121,11 @@ def place_on_body(
 ) -> tuple[Pattern, tuple[Placement, ...]]:
     """The pattern, moved to where the body wears it, and where each item of clothing was put.
 
-    Moving all of the pattern up, down, forward or back changes nothing in the result.
+    Moving all of the pattern up, down, forward or back changes nothing in the result, nor does
+    moving a symmetric one sideways.
 
     Args:
-        pattern: anywhere, x = 0 in its middle.
+        pattern: anywhere, x = 0 in its middle or in its plane of symmetry.
         body: its landmarks `left_neck_point`, `cervical`, `left_shoulder_joint`, `waist_front` and
             `crotch` are used.
         made_for: stature that the pattern was made for [cm]: all of it is scaled to the body's
@@ -133,14 +138,16 @@ def place_on_body(
     scale = 1.0 if made_for is None else stature / _checked(made_for)
     moved: dict[str, Panel] = {}
     found = []
-    for part in connected_garments(_scaled(pattern, scale)):
-        placed, report = _place(part, body, scale)
+    scaled = _scaled(pattern, scale)
+    left = -(symmetry_plane(scaled) or 0.0)
+    for part in connected_garments(_moved(scaled, (left, 0.0, 0.0))):
+        placed, report = _place(part, body, scale, left)
         moved |= placed.by_name
         found.append(report)
     return replace(pattern, panels=tuple(moved[p.name] for p in pattern.panels)), tuple(found)
 
 
-def _place(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Placement]:
+def _place(pattern: Pattern, body: Body, scale: float, left: float) -> tuple[Pattern, Placement]:
     panels = panels_in_world(pattern)
     support = find_support(pattern, panels, body)
     match support.site:
@@ -160,6 +167,7 @@ def _place(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Placeme
         seams=tuple(side for seam in support.seams for side in seam.sides),
         shift_up=place.up,
         shift_forward=forward,
+        shift_left=left,
         scale=scale,
         level=place.level,
         length=place.length,
@@ -167,7 +175,7 @@ def _place(pattern: Pattern, body: Body, scale: float) -> tuple[Pattern, Placeme
         is_supported=place.is_supported,
         drawn_length=place.drawn_length,
     )
-    return _moved(pattern, place.up, forward), report
+    return _moved(pattern, (0.0, place.up, forward)), report
 
 
 def _checked(stature: float) -> float:
@@ -182,15 +190,15 @@ def _checked(stature: float) -> float:
 # --- Moving --------------------------------------------------------------------------------------
 
 
-def _moved(pattern: Pattern, up: float, forward: float) -> Pattern:
-    if up == forward == 0:
+def _moved(pattern: Pattern, by: tuple[float, float, float]) -> Pattern:
+    if not any(by):
         return pattern
-    return replace(pattern, panels=tuple(_moved_panel(p, up, forward) for p in pattern.panels))
+    return replace(pattern, panels=tuple(_moved_panel(p, by) for p in pattern.panels))
 
 
-def _moved_panel(panel: Panel, up: float, forward: float) -> Panel:
-    x, y, z = panel.translation
-    return replace(panel, translation=(x, y + up, z + forward))
+def _moved_panel(panel: Panel, by: tuple[float, float, float]) -> Panel:
+    (x, y, z), (left, up, forward) = panel.translation, by
+    return replace(panel, translation=(x + left, y + up, z + forward))
 
 
 def _scaled(pattern: Pattern, scale: float) -> Pattern:

@@ -18,3 +18,7 @@ from .sewable import (
     edge_place as edge_place,
     panel_place as panel_place,
 )
+from .symmetry import (
+    off_centre as off_centre,
+    symmetry_plane as symmetry_plane,
+)

@@ -10,6 +10,7 @@ generators; `tests/pattern/test_placement_check.py`):
 - **too-small**, **too-large**: no person's garment, so its unit is not the declared one.
 - **perhaps-inches**, **perhaps-not-inches**: a doubt only; it may be a garment for a child or a
   very wide one.
+- **off-centre**: the garment lies beside its wearer, and no symmetry says where its middle is.
 - **inside-out**: a panel whose outline runs clockwise seen from outside the body.
 """
 
@@ -20,6 +21,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.geometry import centroid
+from garmentimage.pattern.checks.symmetry import off_centre
 from garmentimage.pattern.finding import Finding, some
 from garmentimage.pattern.model import Panel, Pattern
 
@@ -194,14 +196,16 @@ def _standing_findings(pattern: Pattern) -> list[Finding]:
             "+z: turn (x, y, z) into (x, z, -y) and the rotations likewise"
         )
         return [Finding("placement", message, "z-up")]
+    aside = off_centre(pattern)
+    found = [aside] if aside else []
     inward = facing_inwards(pattern)
     if not inward:
-        return []
+        return found
     message = (
         "its edges run clockwise seen from outside the body, so its wrong side faces out and "
         "its seams twist; reverse the loop unless this is meant"
     )
-    return [Finding(f"panel {some(inward)}", message, "inside-out")]
+    return [*found, Finding(f"panel {some(inward)}", message, "inside-out")]
 
 
 def _in_radians(pattern: Pattern) -> bool:
