@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 from garmentimage import draft_pattern, load_pattern
 from garmentimage.body.body import POSES, load_body
 from garmentimage.body.body_measurements import presets
+from garmentimage.draft.kinds import kinds
 from garmentimage.drape.components import garment_items
 from garmentimage.drape.draping import check_drape, drape_pattern
 from garmentimage.drape.mesh.meshing import mesh
@@ -19,10 +21,13 @@ from garmentimage.errors import GarmentImageError
 from garmentimage.examples import example_path
 from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Circle, Edge, Loop, Panel, Pattern, Side, Stitch
+from tests.compare.garments import split_edges
 from tests.corpus import corpus_sample
 
 LIMBS = tuple(BONES)[1:]
 FEW = 600
+NEAR_CM = 4.5
+"""Vertices of two meshes of the same cloth are that near to each other."""
 
 
 def limbs_inside(pattern, body) -> set[str]:
@@ -48,6 +53,27 @@ def test_arms_begin_inside_the_sleeves_and_legs_inside_the_trousers(name, pose):
 def test_sleeves_drawn_hanging_are_laid_along_the_arms(pose):
     dress = load_pattern(example_path("dress"))
     assert limbs_inside(dress, load_body("mean-female", pose)) == {"left arm", "right arm"}
+
+
+@pytest.mark.parametrize("share", [0.2, 0.55])
+@pytest.mark.parametrize(
+    ("kind", "parts"), [*((kind, {}) for kind in kinds()), ("shirt", {"cuffs": "band"})]
+)
+def test_a_garment_begins_where_it_does_with_whole_edges_if_all_its_edges_are_divided(
+    kind, parts, share
+):
+    """Sleeves once began askew where the seam of a cuff had two parts."""
+    body, pattern = load_body(), draft_pattern(kind, **parts)
+    every = [Side(panel.name, k) for panel in pattern.panels for k in range(len(panel.edges))]
+    partners = {stitch.b for stitch in pattern.stitches}
+    divided = split_edges(pattern, {side: share for side in every if side not in partners})
+    before, after = (
+        start_points(cloth, body, placements)
+        for placed, placements in (place_on_body(p, body) for p in (pattern, divided))
+        for cloth in [mesh(placed, vertices=FEW)]
+    )
+    apart = max(float(KDTree(a).query(b)[0].max()) for a, b in ((before, after), (after, before)))
+    assert apart < NEAR_CM
 
 
 @pytest.mark.parametrize("degrees", [-4.0, 12.0])

@@ -88,21 +88,23 @@ def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarr
 
 
 def _rings(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> list[Int[np.ndarray, " _"]]:
-    """Corners on lines across a sleeve: its free edges, and the seams of a cuff."""
-    pattern, rings = cloth.pattern, []
+    """Corners on lines across a sleeve: its free edges, and the seams of a cuff.
+
+    Stitches between the same two panels are one seam, whose edges are divided.
+    """
+    pattern = cloth.pattern
     free = [
         line
         for side, line in cloth.sides.items()
         if side not in pattern.partners and sleeve[line[0]]
     ]
-    if free:
-        rings.append(np.concatenate(free))
+    seams: dict[frozenset[str], list[Int[np.ndarray, " _"]]] = {}
     for stitch in pattern.stitches:
         a, b = (cloth.sides[side] for side in stitch.sides)
         across = faces_front(cloth, stitch.a) == faces_front(cloth, stitch.b)
         if across and stitch.a.panel != stitch.b.panel and sleeve[a[0]] and sleeve[b[0]]:
-            rings.append(a)
-    return rings
+            seams.setdefault(frozenset({stitch.a.panel, stitch.b.panel}), []).append(a)
+    return [np.concatenate(lines) for lines in (free, *seams.values()) if lines]
 
 
 def _arms_place(
