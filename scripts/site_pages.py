@@ -1,6 +1,7 @@
 """Pages of the documentation site that are made from the code; mkdocs.yml names them as a hook.
 
 - `reference/python/*.md`: one page for each package, its names as the package's stub lists them.
+- `contributing/files.md`: what every file of the code holds, by its own first sentence.
 - `reference/commands.md`: what `python -m garmentimage VERB --help` prints, verb by verb.
 - `benchmarks/results/*.json`: the measured files, so that links to them work in the built site.
 
@@ -24,6 +25,7 @@ RESULTS = ROOT / "benchmarks" / "results"
 
 PYTHON_PAGES = "reference/python"
 COMMAND_PAGE = "reference/commands.md"
+FILE_PAGE = "contributing/files.md"
 HELP_COLUMNS = 100
 """Width of the help texts [characters]."""
 MAX_VALUE = 120
@@ -61,8 +63,8 @@ def _room(stub: Path) -> Room:
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     ]
-    text = stub.with_suffix(".py").read_text(encoding="utf-8")
-    return Room(module, ast.get_docstring(ast.parse(text)) or "", tuple(sorted(names, key=_order)))
+    summary = _docstring(stub.with_suffix(".py"))
+    return Room(module, summary, tuple(sorted(names, key=_order)))
 
 
 def _order(name: str) -> tuple[bool, str]:
@@ -242,7 +244,32 @@ def index_page() -> str:
 
 def _first_sentence(text: str) -> str:
     paragraph = " ".join(text.split("\n\n")[0].split())
-    return re.split(r"(?<=[.:])\s", paragraph)[0].replace("|", "\\|")
+    return re.split(r"(?<=[.])\s", paragraph)[0].replace("|", "\\|")
+
+
+def file_page() -> str:
+    """Markdown of the list of all files, package by package."""
+    lines = [
+        "# Files",
+        "",
+        "Every file of the code and what it holds, in its own first sentence; packages in the",
+        "order of the alphabet, not of the [floor plan](floor-plan.md).",
+        "",
+    ]
+    for package in sorted(
+        p.parent for p in (SOURCE / PACKAGE).rglob("__init__.py") if "examples" not in p.parts
+    ):
+        name = ".".join(package.relative_to(SOURCE).parts)
+        files = [f for f in sorted(package.glob("*.py")) if not f.stem.startswith("__")]
+        lines += [f"## `{name}`", "", _first_sentence(_docstring(package / "__init__.py")), ""]
+        lines += ["| file | what it holds |", "|---|---|"] if files else []
+        lines += [f"| `{f.name}` | {_first_sentence(_docstring(f))} |" for f in files]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _docstring(file: Path) -> str:
+    return ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
 
 
 def help_of(words: tuple[str, ...]) -> str | None:
@@ -344,6 +371,7 @@ def on_files(files, config):
     made = {
         f"{PYTHON_PAGES}/index.md": index_page(),
         COMMAND_PAGE: command_page(),
+        FILE_PAGE: file_page(),
         **{page_of(room): room_page(room) for room in rooms()},
     }
     for path, text in made.items():

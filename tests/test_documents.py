@@ -42,7 +42,12 @@ FORMATS = (DOCS / "reference" / "formats.md").read_text(encoding="utf-8")
 
 LANGUAGES = {"sh", "bash", "python", "json", "text"}
 """Of code blocks: `sh` and `python` are run; of `bash` commands and options are only looked up."""
-GENERATED = ("reference/python/", "reference/commands.md", "benchmarks/results/")
+GENERATED = (
+    "reference/python/",
+    "reference/commands.md",
+    "contributing/files.md",
+    "benchmarks/results/",
+)
 """Pages that exist only while the site is built (scripts/site_pages.py)."""
 MAX_README_WORDS = 700
 """Outside code and tables."""
@@ -337,6 +342,14 @@ def test_every_room_is_in_the_floor_plan():
     step = {name: k for k, names in enumerate(ROOMS) for name in names}
     order = [step[name.split("/")[0]] for name, _ in rows]
     assert order == sorted(order)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_name)
+def test_files_of_the_code_that_a_page_names_exist(page):
+    named = re.findall(r"`((?:[\w.-]+/)+\w+\.py)`", page.read_text(encoding="utf-8"))
+    new = {"src/garmentimage/draft/parts/cape.py"}  # of an example
+    missing = [f for f in named if not (SOURCE / f).is_file() and not (ROOT / f).is_file()]
+    assert not set(missing) - new
 
 
 def test_the_mark_in_the_formats_has_every_field():

@@ -25,6 +25,7 @@ from .row import (
     draft_garment as draft_garment,
     task_from_id as task_from_id,
 )
+from .stream import RowStream as RowStream
 from .vocabulary import (
     all_phrases as all_phrases,
     aspect_of as aspect_of,
