@@ -1,6 +1,7 @@
 """Options that verbs share: their types, their groups, and the files and folders they name."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 from math import inf
 from os import PathLike
@@ -118,7 +119,7 @@ def read_or_decode(path: Path) -> "Pattern":
 
     source = read_soft_image(path)
     with errors_about(path):
-        return decode(source).renamed(path.stem)
+        return replace(decode(source), name=path.stem)
 
 
 def read_soft_image(path: Path, order: str | None = None) -> Any:

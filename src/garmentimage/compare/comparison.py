@@ -74,10 +74,7 @@ def compare_patterns(
     if faults:
         matching = match_panels(original, decoded, any_pose=any_pose)
         return _result(task, matching, faults, sewable=False)
-    if structure_faults(original):
-        faults = []
-    else:
-        faults = structure_faults(decoded)
+    faults = [] if structure_faults(original) else structure_faults(decoded)
     matching, reasons = task.likeliest()
     if reasons:
         found = task.search()
@@ -161,7 +158,7 @@ class _Comparison:
         The strictest way to lay one graph on the other counts: a loose one may take the side seam
         between two panels for their shoulder seam.
         """
-        pairs = {p.a: [p.b] for p in matching.pairs}
+        pairs = {a: [b] for a, b in matching.panel_map.items()}
         for lengths, places in ((True, True), (False, True), (False, False)):
             match = match_graphs(
                 *self.graphs, pairs, poses=self.poses, check_lengths=lengths, check_places=places

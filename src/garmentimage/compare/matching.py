@@ -153,7 +153,8 @@ def iou_matrix(
         floor: pairs whose areas forbid an IoU of this much are not compared and count as 0.
     """
     poses = TURNED + MIRRORED if any_pose else TURNED[:1]
-    return iou_by_pose(a, b, poses, floor=floor).max(axis=0)
+    best: Float[np.ndarray, "a b"] = iou_by_pose(a, b, poses, floor=floor).max(axis=0)
+    return best
 
 
 def iou_by_pose(
@@ -162,19 +163,15 @@ def iou_by_pose(
     """As `iou_matrix`, for each of the given `POSES` of the panels of `b`."""
     import shapely
 
-    regions_a = [panel_region(p) for p in a]
-    regions_b = [panel_region(p) for p in b]
-    area_a, area_b = (np.array([r.area for r in rs], float) for rs in (regions_a, regions_b))
+    regions_a, regions_b = (np.array([panel_region(p) for p in ps], object) for ps in (a, b))
+    area_a, area_b = shapely.area(regions_a), shapely.area(regions_b)
     smaller = np.minimum(area_a[:, None], area_b[None])
     larger = np.maximum(area_a[:, None], area_b[None])
     rows, columns = np.nonzero((larger > 0) & (smaller >= floor * larger))
     iou = np.zeros((len(poses), len(a), len(b)))
-    left = _array(regions_a)[rows]
     for k, pose in enumerate(poses):
-        posed = _array(
-            [shapely.transform(r, lambda xy, m=POSES[pose]: xy @ m.T) for r in regions_b]
-        )
-        shared = shapely.area(shapely.intersection(left, posed[columns]))
+        posed = shapely.transform(regions_b, lambda xy, m=POSES[pose]: xy @ m.T)
+        shared = shapely.area(shapely.intersection(regions_a[rows], posed[columns]))
         iou[k, rows, columns] = shared / (area_a[rows] + area_b[columns] - shared)
     return iou
 
@@ -229,11 +226,11 @@ def aligned_points(a: Panel, b: Panel) -> tuple[Float[np.ndarray, "n 2"], Float[
     """Points at equal shares of both outlines, from where `boundary_distance` takes them [cm]."""
     ours, theirs = _boundaries(a, b)
     centred = ours - ours.mean(axis=0)
-    ways = [
+    fits = [
         (*_best_start(centred, order - order.mean(axis=0)), order)
         for order in (theirs, theirs[::-1])
     ]
-    _, start, order = min(ways, key=lambda way: way[0])
+    _, start, order = min(fits, key=lambda fit: fit[0])
     return ours, order[(start + np.arange(len(ours)) * STARTS_BETWEEN) % len(order)]
 
 
@@ -284,7 +281,7 @@ def nearness(a: Sequence[Panel], b: Sequence[Panel]) -> Float[np.ndarray, "a b"]
     """1 where two panels stand at the same place of their garments, falling to 0."""
     places = [_places(a), _places(b)]
     gaps = np.linalg.norm(places[0][:, None] - places[1][None], axis=2)
-    return np.exp(-gaps / PLACEMENT_RANGE_CM)
+    return np.asarray(np.exp(-gaps / PLACEMENT_RANGE_CM))
 
 
 def _places(panels: Sequence[Panel]) -> Float[np.ndarray, "n 3"]:
@@ -292,10 +289,4 @@ def _places(panels: Sequence[Panel]) -> Float[np.ndarray, "n 3"]:
     if not panels:
         return np.zeros((0, 3))
     middles = [p.to_world(loop_polygon(p.outline).mean(axis=0)[None])[0] for p in panels]
-    return np.array(middles) - np.mean(middles, axis=0)
-
-
-def _array(regions: "Sequence[BaseGeometry]") -> np.ndarray:
-    array = np.empty(len(regions), dtype=object)
-    array[:] = regions
-    return array
+    return np.asarray(np.array(middles) - np.mean(middles, axis=0))

@@ -24,7 +24,14 @@ from math import dist, sqrt
 import numpy as np
 
 from garmentimage.compare.matching import MIRRORED, POSES, TURNED
-from garmentimage.geometry import Curve, Point, centroid, connected_components, signed_area
+from garmentimage.geometry import (
+    Curve,
+    Point,
+    centroid,
+    connected_components,
+    signed_area,
+    to_point,
+)
 from garmentimage.pattern import Pattern, SeamRun, sewn_runs
 
 LENGTH_TOL_SHARE = 0.02
@@ -162,8 +169,7 @@ def _middle(curves: Sequence[Curve], centre: np.ndarray) -> Point:
     else:
         curve = curves[-1]
     share = min(left / curve.length, 1.0) if curve.length > 0 else 0.0
-    (point,) = curve.at(np.array([curve.parameter(share)])) - centre
-    return float(point[0]), float(point[1])
+    return to_point(curve.at(np.array([curve.parameter(share)]))[0] - centre)
 
 
 def match_graphs(
@@ -329,8 +335,7 @@ class _Laying:
 
 
 def _posed(point: Point, pose: int) -> Point:
-    x, y = POSES[pose] @ point
-    return float(x), float(y)
+    return to_point(POSES[pose] @ point)
 
 
 def same_stitch_graph(
@@ -422,7 +427,12 @@ def _seam_kind(
     return tuple(sorted((names[first.panel], names[second.panel]))), word
 
 
-def _cycles(graph: StitchGraph, panel: str, names: Mapping[str, str]) -> list[list[tuple]]:
+_Letter = tuple[str, bool, bool, bool, bool]
+"""Of a seam side: the panel it is sewn to, whether a dart is, start meets start, it is closed, and
+a gap follows."""
+
+
+def _cycles(graph: StitchGraph, panel: str, names: Mapping[str, str]) -> list[list[_Letter]]:
     """What follows what round each loop of a panel, the same for every start of the loop."""
     letters = {
         k: (
@@ -453,7 +463,7 @@ def seam_agreement(a: StitchGraph, b: StitchGraph, panel_map: Mapping[str, str])
     A measure for patterns that are not the same: the order round the panels does not count.
     """
     back = {q: p for p, q in panel_map.items()}
-    left: dict[tuple, list[tuple[int, int]]] = {}
+    left: dict[tuple[object, ...], list[tuple[int, int]]] = {}
     for seam in b.seams:
         if all(b.sides[k].panel in back for k in seam):
             left.setdefault(_seam_kind(b, seam, back), []).append(seam)

@@ -20,6 +20,7 @@ from .curves import (
     Curve as Curve,
     Line as Line,
     Point as Point,
+    to_point as to_point,
 )
 from .polygons import (
     centroid as centroid,

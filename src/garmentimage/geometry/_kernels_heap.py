@@ -4,11 +4,11 @@ Whoever pushes sees to it that `size` is below the length of the arrays, whoever
 above 0; there is no check inside.
 """
 
-# mypy: allow-untyped-defs, allow-untyped-calls
-
 from numba import njit
 
 
+# A tree in an array: below the item at i are those at 2 i + 1 and 2 i + 2, with keys no smaller
+# (Williams 1964, "Algorithm 232: Heapsort").
 @njit(cache=True)
 def heap_push(keys, items, size, key, item):
     """Add an item; the new size. The arrays must have room for it."""
@@ -31,6 +31,7 @@ def heap_pop(keys, items, size):
     keys[0], items[0] = keys[size], items[size]
     i = 0
     while True:
+        # Sinks below the smaller of its two followers until both have larger keys.
         small, left = i, 2 * i + 1
         if left < size and keys[left] < keys[small]:
             small = left

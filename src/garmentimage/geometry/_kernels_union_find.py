@@ -4,14 +4,13 @@
 The root of a class is its smallest number. Numbers given are below `count`.
 """
 
-# mypy: allow-untyped-defs, allow-untyped-calls
-
 from numba import njit
 
 
+# Path halving (Tarjan and van Leeuwen 1984): every second node on the path gets its grandparent.
 @njit(cache=True)
 def find_root(parent, i):
-    """The root of the class of `i`; shortens the way there."""
+    """The root of the class of `i`; shortens the path to it."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]

@@ -20,7 +20,8 @@ def touching_sides(polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Int[np.ndarr
         Side numbers, counted through all polygons; the first of a pair is the smaller.
     """
     assert all(p.ndim == 2 and p.shape[1] == 2 for p in polygons)
-    return find_touching_sides(np.concatenate(list(polygons)), np.array([len(p) for p in polygons]))
+    sizes = np.array([len(p) for p in polygons])
+    return np.asarray(find_touching_sides(np.concatenate(list(polygons)), sizes))
 
 
 def contains(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, " 2"]) -> bool:

@@ -4,10 +4,10 @@ All are small frozen values. `t` is the curve's own parameter in 0..1; `s` is th
 length, also 0..1. Lengths come from a fixed chord table, so they are the same on every run.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from math import hypot
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -33,61 +33,35 @@ def _weights(t: Float[np.ndarray, " n"], controls: int) -> Float[np.ndarray, "n 
 _TABLE_WEIGHTS = {controls: _weights(_TABLE_PARAMETERS, controls) for controls in (1, 2)}
 
 
-@runtime_checkable
-class Curve(Protocol):
-    """What every curve here can do."""
+class Curve(ABC):
+    """A curve, measured by its chords."""
 
-    @property
-    def start(self) -> Point:
-        """Where it begins."""
+    start: Point
+    end: Point
+    is_straight = False
 
-    @property
-    def end(self) -> Point:
-        """Where it ends."""
-
-    @property
-    def is_straight(self) -> bool:
-        """Whether it is a line."""
-
+    @abstractmethod
     def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]:
         """Points at the parameters `t`."""
 
+    @abstractmethod
     def split(self, t: float) -> tuple["Curve", "Curve"]:
         """The two parts before and after `t`."""
 
+    @abstractmethod
     def reversed(self) -> "Curve":
         """The same curve walked the other way."""
-
-    @property
-    def polyline(self) -> Float[np.ndarray, "n 2"]:
-        """The chords by which it is measured."""
-
-    @property
-    def length(self) -> float:
-        """Length along the curve."""
-
-    def sample(self, count: int) -> Float[np.ndarray, "n 2"]:
-        """`count` + 1 points from start to end, evenly spaced by length; the ends are exact."""
-
-    def parameter(self, s: float) -> float:
-        """The parameter t at the share `s` of the length."""
-
-
-class _Measured:
-    """Length and even sampling for any curve with `at`."""
-
-    is_straight = False
 
     @cached_property
     def polyline(self) -> Float[np.ndarray, "n 2"]:
         """The chords by which it is measured: the two ends of a line, `CHORDS` + 1 points else."""
-        return self.at(_ENDS if self.is_straight else _TABLE_PARAMETERS)  # type: ignore[attr-defined, no-any-return]
+        return self.at(_TABLE_PARAMETERS)
 
     @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
         return _ENDS if self.is_straight else _TABLE_PARAMETERS, lengths_along(self.polyline)
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length along the curve."""
         return float(self._table[1][-1])
@@ -100,13 +74,13 @@ class _Measured:
     def sample(self, count: int) -> Float[np.ndarray, "n 2"]:
         """`count` + 1 points from start to end, evenly spaced by length; the ends are exact."""
         t, lengths = self._table
-        points = self.at(np.interp(np.linspace(0, lengths[-1], count + 1), lengths, t))  # type: ignore[attr-defined]
-        points[0], points[-1] = self.start, self.end  # type: ignore[attr-defined]
+        points = self.at(np.interp(np.linspace(0, lengths[-1], count + 1), lengths, t))
+        points[0], points[-1] = self.start, self.end
         return points
 
 
 @dataclass(frozen=True)
-class Line(_Measured):
+class Line(Curve):
     """A straight line."""
 
     start: Point
@@ -116,7 +90,7 @@ class Line(_Measured):
     def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]:
         """Points at the parameters `t`."""
         t = np.asarray(t, float)[:, None]
-        return (1 - t) * np.array(self.start) + t * np.array(self.end)
+        return np.asarray((1 - t) * np.array(self.start) + t * np.array(self.end))
 
     @cached_property
     def polyline(self) -> Float[np.ndarray, "n 2"]:
@@ -124,7 +98,7 @@ class Line(_Measured):
         return np.array([self.start, self.end], float)
 
     @cached_property
-    def length(self) -> float:  # type: ignore[override]
+    def length(self) -> float:
         """Length along the curve."""
         return hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
 
@@ -135,7 +109,7 @@ class Line(_Measured):
     def split(self, t: float) -> tuple["Line", "Line"]:
         """The two parts before and after `t`."""
         (middle,) = self.at(np.array([t]))
-        point = _point(middle)
+        point = to_point(middle)
         return Line(self.start, point), Line(point, self.end)
 
     def reversed(self) -> "Line":
@@ -144,7 +118,7 @@ class Line(_Measured):
 
 
 @dataclass(frozen=True)
-class Bezier(_Measured):
+class Bezier(Curve):
     """A quadratic (one control point) or cubic (two control points) Bezier curve."""
 
     start: Point
@@ -158,12 +132,12 @@ class Bezier(_Measured):
 
     def at(self, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2"]:
         """Points at the parameters `t`."""
-        return _weights(np.asarray(t, float), len(self.controls)) @ self.points
+        return np.asarray(_weights(np.asarray(t, float), len(self.controls)) @ self.points)
 
     @cached_property
     def polyline(self) -> Float[np.ndarray, "n 2"]:
         """The chords by which it is measured."""
-        return _TABLE_WEIGHTS[len(self.controls)] @ self.points
+        return np.asarray(_TABLE_WEIGHTS[len(self.controls)] @ self.points)
 
     def split(self, t: float) -> tuple["Bezier", "Bezier"]:
         """The two parts before and after `t` (de Casteljau)."""
@@ -171,8 +145,8 @@ class Bezier(_Measured):
         while len(rows[-1]) > 1:
             p = rows[-1]
             rows.append((1 - t) * p[:-1] + t * p[1:])
-        first = [_point(r[0]) for r in rows]
-        second = [_point(r[-1]) for r in reversed(rows)]
+        first = [to_point(r[0]) for r in rows]
+        second = [to_point(r[-1]) for r in reversed(rows)]
         return (
             Bezier(self.start, tuple(first[1:-1]), first[-1]),
             Bezier(second[0], tuple(second[1:-1]), self.end),
@@ -184,7 +158,7 @@ class Bezier(_Measured):
 
 
 @dataclass(frozen=True)
-class Arc(_Measured):
+class Arc(Curve):
     """A circular arc; `right` bulges to the right of start -> end, `large` takes the long way.
 
     A radius shorter than half the chord is read as half the chord (rounding makes such files).
@@ -225,7 +199,7 @@ class Arc(_Measured):
         """The two parts before and after `t`."""
         _, radius, _, swept = self._circle
         (middle,) = self.at(np.array([t]))
-        point = _point(middle)
+        point = to_point(middle)
         return (
             Arc(self.start, point, radius, abs(swept) * t > np.pi, self.right),
             Arc(point, self.end, radius, abs(swept) * (1 - t) > np.pi, self.right),
@@ -236,5 +210,6 @@ class Arc(_Measured):
         return Arc(self.end, self.start, self.radius, self.large, not self.right)
 
 
-def _point(xy: np.ndarray) -> Point:
+def to_point(xy: Float[np.ndarray, " 2"]) -> Point:
+    """The point of an array."""
     return float(xy[0]), float(xy[1])

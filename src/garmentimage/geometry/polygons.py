@@ -18,9 +18,10 @@ def centroid(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
     cross = x * next_y - y * next_x
     area = cross.sum() / 2
     if abs(area) < 1e-9:
-        return polygon.mean(axis=0)
-    total = np.array([((x + next_x) * cross).sum(), ((y + next_y) * cross).sum()])
-    return total / (6 * area)
+        return np.asarray(polygon.mean(axis=0))
+    centre = np.array([((x + next_x) * cross).sum(), ((y + next_y) * cross).sum()])
+    centre /= 6 * area
+    return centre
 
 
 def polyline_length(points: Float[np.ndarray, "n 2"]) -> float:
@@ -37,12 +38,13 @@ def lengths_along(points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
 
 def resample(points: Float[np.ndarray, "n 2"], shares: Float[np.ndarray, " m"]) -> np.ndarray:
     """Points of an open polyline at the given shares (0..1) of its length; shape (m, 2)."""
+    found = np.empty((len(shares), 2))
     if len(points) == 2:
         at = np.asarray(shares)[:, None]
-        return (1 - at) * points[0] + at * points[1]
+        found[:] = (1 - at) * points[0] + at * points[1]
+        return found
     lengths = lengths_along(points)
     s = np.asarray(shares) * lengths[-1]
-    found = np.empty((len(s), 2))
     found[:, 0] = np.interp(s, lengths, points[:, 0])
     found[:, 1] = np.interp(s, lengths, points[:, 1])
     return found

@@ -370,7 +370,7 @@ def _control(loop: Loop, edge: Edge, number: int) -> tuple[float, float]:
         return 0.0, 0.0
     if isinstance(edge.curvature, Quadratic):
         return edge.curvature.control
-    (x0, y0), (mx, my), (x1, y1) = loop.curve(number).at(np.array([0.0, 0.5, 1.0]))
+    (x0, y0), (mx, my), (x1, y1) = loop.curves[number].at(np.array([0.0, 0.5, 1.0]))
     length = hypot(x1 - x0, y1 - y0)
     turn = atan2(y1 - y0, x1 - x0)
     cos, sin = np.cos(turn), np.sin(turn)

@@ -56,8 +56,8 @@ def turned_edge(edge: Edge) -> Edge:
             curvature = Quadratic(_seen_from_end(control))
         case Cubic(control, control2):
             curvature = Cubic(_seen_from_end(control2), _seen_from_end(control))
-        case Circle(radius, large, right):
-            curvature = Circle(radius, large, not right)
+        case Circle():
+            curvature = replace(curvature, right=not curvature.right)
     return replace(edge, start=edge.end, end=edge.start, curvature=curvature)
 
 
@@ -68,10 +68,12 @@ def _seen_from_end(control: Point) -> Point:
 def turned_round(pattern: Pattern, names: Collection[str]) -> Pattern:
     """The pattern with the loops of some panels walked the other way; edges get new numbers.
 
-    The cloth stays where it is, its other face out.
+    The cloth stays in its place, its other face out.
     """
     new_number = {
-        panel.name: _reversed_numbers(panel) for panel in pattern.panels if panel.name in names
+        panel.name: [k for numbers in panel.edge_ranges for k in reversed(numbers)]
+        for panel in pattern.panels
+        if panel.name in names
     }
 
     def side(given: Side) -> Side:
@@ -88,15 +90,6 @@ def turned_round(pattern: Pattern, names: Collection[str]) -> Pattern:
     )
 
 
-def _reversed_numbers(panel: Panel) -> list[int]:
-    """For each edge its number once every loop is walked the other way."""
-    numbers: list[int] = []
-    for loop in panel.loops:
-        first, count = len(numbers), len(loop.edges)
-        numbers += [first + count - 1 - k for k in range(count)]
-    return numbers
-
-
 def _turned_panel(panel: Panel, numbers: list[int]) -> Panel:
     outline, *holes = (
         Loop(loop.vertices, tuple(turned_edge(e) for e in reversed(loop.edges)))
@@ -108,11 +101,9 @@ def _turned_panel(panel: Panel, numbers: list[int]) -> Panel:
 
 def _apart(pattern: Pattern) -> float:
     """Mean distance of the ends that seams bring together, as the panels stand [cm]."""
-    if not pattern.stitches:
-        return 0.0
     ends = np.array([0.0, 1.0])
     total = 0.0
     for stitch in pattern.stitches:
-        a, b = (pattern.by_name[s.panel].to_world(pattern.curve(s).at(ends)) for s in stitch.sides)
+        a, b = (pattern.in_world(side, ends) for side in stitch.sides)
         total += float(np.linalg.norm(a - (b if stitch.same_direction else b[::-1])))
-    return total / len(pattern.stitches)
+    return total / max(len(pattern.stitches), 1)

@@ -9,7 +9,7 @@ from garmentimage.pattern.seam_runs import stubs
 
 
 def without_stubs(pattern: Pattern) -> Pattern:
-    """The pattern without its stubs (see `seams`), its edges renumbered; itself where it has none.
+    """The pattern without its stubs (see `seam_runs`), edges renumbered; itself where it has none.
 
     The edge after a stub begins where the stub did; nothing else moves.
     """
@@ -32,38 +32,28 @@ def without_stubs(pattern: Pattern) -> Pattern:
 
 
 def _without(panel: Panel, gone: Container[int], kept: list[int]) -> Panel:
-    loops, first = [], 0
-    for loop in panel.loops:
-        count = len(loop.edges)
-        loops.append(_closed_up(loop, [k for k in range(count) if first + k not in gone]))
-        first += count
+    outline, *holes = (
+        _closed_up(loop, [k - numbers.start for k in numbers if k not in gone])
+        for loop, numbers in zip(panel.loops, panel.edge_ranges, strict=True)
+    )
     notches = tuple(
         replace(notch, edge=kept.index(notch.edge))
         for notch in panel.notches
         if notch.edge not in gone
     )
-    return replace(panel, outline=loops[0], holes=tuple(loops[1:]), notches=notches)
+    return replace(panel, outline=outline, holes=tuple(holes), notches=notches)
 
 
 def _closed_up(loop: Loop, kept: list[int]) -> Loop:
     """A loop of some of its edges, each beginning where the one before it ends."""
     edges = [loop.edges[k] for k in kept]
-    joined = [
-        replace(edge, start=before.end)
-        for before, edge in zip([edges[-1], *edges[:-1]], edges, strict=True)
-    ]
+    joined = []
+    for before, old in zip([edges[-1], *edges[:-1]], edges, strict=True):
+        joined.append(_stretched(replace(old, start=before.end), old, loop.vertices))
     used = sorted({edge.start for edge in joined})
-    vertices = tuple(loop.vertices[v] for v in used)
     return Loop(
-        vertices,
-        tuple(
-            replace(
-                _stretched(edge, old, loop.vertices),
-                start=used.index(edge.start),
-                end=used.index(edge.end),
-            )
-            for edge, old in zip(joined, edges, strict=True)
-        ),
+        tuple(loop.vertices[v] for v in used),
+        tuple(replace(e, start=used.index(e.start), end=used.index(e.end)) for e in joined),
     )
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from garmentimage.errors import quoted
 
-PANELS_NAMED = 3
-"""Names that a finding about many panels gives."""
+MAX_SHOWN = 3
+"""Names or numbers that a finding about many panels or edges gives."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,8 @@ class Finding:
         return f"{self.place}: {self.message}"
 
 
-def some(names: Sequence[str]) -> str:
-    """The first few of many names."""
-    shown = ", ".join(quoted(name) for name in names[:PANELS_NAMED])
-    more = len(names) - PANELS_NAMED
+def some(things: Sequence[str | int]) -> str:
+    """The first few of many names or numbers."""
+    shown = ", ".join(quoted(x) if isinstance(x, str) else str(x) for x in things[:MAX_SHOWN])
+    more = len(things) - MAX_SHOWN
     return f"{shown} and {more} more" if more > 0 else shown

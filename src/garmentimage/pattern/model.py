@@ -14,14 +14,15 @@ Words of this file:
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.geometry import Arc, Bezier, Curve, Line, Point, signed_area
+from garmentimage.geometry import Arc, Bezier, Curve, Line, Point as Point, signed_area
 
 Vector = tuple[float, float, float]
 
@@ -75,13 +76,9 @@ class Loop:
     vertices: tuple[Point, ...]
     edges: tuple[Edge, ...]
 
-    def curve(self, k: int) -> Curve:
-        """Geometry of edge `k`, in panel coordinates [cm]."""
-        return self.curves[k]
-
     @cached_property
     def curves(self) -> tuple[Curve, ...]:
-        """Geometry of every edge, in loop order [cm]."""
+        """Geometry of every edge, in panel coordinates [cm]."""
         return tuple(
             edge_curve(self.vertices[e.start], self.vertices[e.end], e.curvature)
             for e in self.edges
@@ -89,7 +86,7 @@ class Loop:
 
     @cached_property
     def polygon(self) -> Float[np.ndarray, "n 2"]:
-        """The loop as a polygon, not closed: straight edges as they are, curves in 16 chords."""
+        """The loop as a polygon, not closed: see `polygon_of`."""
         return polygon_of(self.curves)
 
     @property
@@ -140,6 +137,12 @@ class Panel:
         """All edges, numbered through: outer loop, then holes."""
         return tuple(e for loop in self.loops for e in loop.edges)
 
+    @property
+    def edge_ranges(self) -> tuple[range, ...]:
+        """For each loop the numbers of its edges."""
+        ends = list(accumulate(len(loop.edges) for loop in self.loops))
+        return tuple(map(range, (0, *ends), ends))
+
     @cached_property
     def curves(self) -> tuple[Curve, ...]:
         """Geometry of all edges, numbered as `edges` [cm]."""
@@ -152,7 +155,8 @@ class Panel:
 
     def to_world(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
         """Panel points placed round the body [cm]."""
-        return np.asarray(points, float) @ self.matrix[:, :2].T + np.array(self.translation)
+        placed = np.asarray(points, float) @ self.matrix[:, :2].T
+        return np.asarray(placed + np.array(self.translation))
 
 
 @dataclass(frozen=True)
@@ -186,22 +190,11 @@ class Pattern:
 
     panels: tuple[Panel, ...]
     stitches: tuple[Stitch, ...] = ()
-    name: str = ""
+    name: str = field(default="", compare=False)
     """What to call the garment in messages and pictures: the file's stem. Not part of equality."""
     extra: Mapping[str, Any] = field(default_factory=dict)
     """What else the file held, by place: "top" (beside "pattern"), "pattern", "properties", and
     "ours" (in the field "garmentimage")."""
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Pattern):
-            return NotImplemented
-        return (self.panels, self.stitches, self.extra) == (
-            other.panels,
-            other.stitches,
-            other.extra,
-        )
-
-    __hash__ = None  # type: ignore[assignment]
 
     @cached_property
     def by_name(self) -> Mapping[str, Panel]:
@@ -212,6 +205,10 @@ class Pattern:
         """Geometry of one side, in panel coordinates [cm]."""
         return self.by_name[side.panel].curves[side.edge]
 
+    def in_world(self, side: Side, t: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 3"]:
+        """Points of one side at its parameters `t`, as the panels stand [cm]."""
+        return self.by_name[side.panel].to_world(self.curve(side).at(t))
+
     @cached_property
     def partners(self) -> Mapping[Side, Side]:
         """For each sewn side, the side it is sewn to."""
@@ -219,13 +216,7 @@ class Pattern:
 
     def sides(self) -> Iterator[Side]:
         """Every side of every panel."""
-        for panel in self.panels:
-            for k in range(len(panel.edges)):
-                yield Side(panel.name, k)
-
-    def renamed(self, name: str) -> "Pattern":
-        """The same pattern under another name."""
-        return replace(self, name=name)
+        return (Side(p.name, k) for p in self.panels for k in range(len(p.edges)))
 
 
 def edge_curve(start: Point, end: Point, curvature: Curvature) -> Curve:
@@ -238,9 +229,8 @@ def edge_curve(start: Point, end: Point, curvature: Curvature) -> Curve:
         case Quadratic(control):
             return Bezier(start, (_absolute(start, end, control),), end)
         case Cubic(control, control2):
-            return Bezier(
-                start, (_absolute(start, end, control), _absolute(start, end, control2)), end
-            )
+            controls = _absolute(start, end, control), _absolute(start, end, control2)
+            return Bezier(start, controls, end)
 
 
 _STARTS = np.arange(POLYGON_CHORDS) / POLYGON_CHORDS
@@ -253,20 +243,18 @@ def chord_count(curve: Curve) -> int:
 
 
 def polygon_of(curves: Sequence[Curve]) -> Float[np.ndarray, "n 2"]:
-    """A closed chain of curves as a polygon, not closed [cm]."""
-    parts = [[c.start] if c.is_straight else c.at(_STARTS) for c in curves]
-    return np.concatenate(parts)
+    """A closed chain of curves as a polygon, not closed [cm]; curves in `POLYGON_CHORDS` chords."""
+    return np.concatenate([[c.start] if c.is_straight else c.at(_STARTS) for c in curves])
 
 
 def curvature_of(curve: Curve) -> Curvature:
     """The relative curvature that gives back `curve`; the inverse of `edge_curve`."""
-    if isinstance(curve, Line):
-        return None
     if isinstance(curve, Arc):
         return Circle(curve.radius, curve.large, curve.right)
-    assert isinstance(curve, Bezier)
-    relative = [relative_control(curve.start, curve.end, c) for c in curve.controls]
-    return Quadratic(relative[0]) if len(relative) == 1 else Cubic(relative[0], relative[1])
+    if isinstance(curve, Bezier):
+        controls = [relative_control(curve.start, curve.end, c) for c in curve.controls]
+        return Quadratic(*controls) if len(controls) == 1 else Cubic(*controls)
+    return None
 
 
 def relative_control(start: Point, end: Point, control: Point) -> Point:
@@ -302,7 +290,7 @@ def rotation_matrix(degrees: Vector) -> Float[np.ndarray, "3 3"]:
     rx = np.array([[1, 0, 0], [0, ca, -sa], [0, sa, ca]])
     ry = np.array([[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]])
     rz = np.array([[cc, -sc, 0], [sc, cc, 0], [0, 0, 1]])
-    return rz @ ry @ rx
+    return np.asarray(rz @ ry @ rx)
 
 
 def euler_angles(matrix: Float[np.ndarray, "3 3"]) -> Vector:

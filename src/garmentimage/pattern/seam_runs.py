@@ -86,7 +86,7 @@ class _SeamOrder:
     ) -> None:
         self.partners = pattern.partners
         self.stitch_of = {s: x for x in pattern.stitches for s in x.sides if s not in left_out}
-        self.after = {s: n for ring in rings for s, n in zip(ring, _turned(ring), strict=True)}
+        self.after = {ring[k - 1]: ring[k] for ring in rings for k in range(len(ring))}
         self.before = {n: s for s, n in self.after.items()}
 
     def continues(self, side: Side) -> bool:
@@ -115,11 +115,6 @@ class _SeamOrder:
                 chain.append(ring[(start + len(chain)) % len(ring)])
             chains.append(chain)
         return chains
-
-
-def _turned(ring: list[Side]) -> list[Side]:
-    """The ring from its second edge on."""
-    return ring[1:] + ring[:1]
 
 
 def stubs(pattern: Pattern) -> frozenset[Side]:
@@ -163,11 +158,8 @@ def _short_chains(pattern: Pattern, ring: list[Side], short: Container[Side]) ->
 
 def side_loops(pattern: Pattern) -> list[tuple[int, list[Side]]]:
     """Every loop of every panel: its number, and its sides in order."""
-    loops = []
-    for panel in pattern.panels:
-        first = 0
-        for number, loop in enumerate(panel.loops):
-            last = first + len(loop.edges)
-            loops.append((number, [Side(panel.name, k) for k in range(first, last)]))
-            first = last
-    return loops
+    return [
+        (number, [Side(panel.name, k) for k in edges])
+        for panel in pattern.panels
+        for number, edges in enumerate(panel.edge_ranges)
+    ]

@@ -1,7 +1,5 @@
 """Flood fill, merged corners and boundary half-edges of cells, in compiled code."""
 
-# mypy: allow-untyped-defs, allow-untyped-calls
-
 import numpy as np
 from numba import njit
 
@@ -16,13 +14,29 @@ _NON_STITCH = int(EdgeType.NON_STITCH)
 
 
 @njit(cache=True)
+def across_side(edge_type, row, col, side):
+    """Type of the grid edge on one side of a cell of a layer, and row and column beyond it."""
+    grid = edge_type.shape[1]
+    # A cell stores its bottom and its left edge; the others are stored by the cells beyond them.
+    if side == 0:
+        return edge_type[0, row, col], row - 1, col
+    if side == 3:
+        return edge_type[1, row, col], row, col - 1
+    if side == 1:
+        return edge_type[1, row, col + 1] if col + 1 < grid else _NON_STITCH, row, col + 1
+    return edge_type[0, row + 1, col] if row + 1 < grid else _NON_STITCH, row + 1, col
+
+
+# Connected components of the cells, joined where the grid edge between them is `NON_BOUNDARY`.
+# Depth-first, with a stack of our own: each cell is pushed once, so it never overflows.
+@njit(cache=True)
 def flood_fill(inside, edge_type, labels):
     layers, grid, _ = inside.shape
     labels[:] = OUTSIDE
-    # Depth-first, with a stack of our own: each cell is pushed once, so it never overflows.
     stack = np.empty((grid * grid, 2), np.int64)
     count = 0
     for layer in range(layers):
+        types = edge_type[layer]
         for row in range(grid):
             for col in range(grid):
                 if not inside[layer, row, col] or labels[layer, row, col] != OUTSIDE:
@@ -34,17 +48,7 @@ def flood_fill(inside, edge_type, labels):
                     height -= 1
                     r, c = stack[height]
                     for side in range(4):
-                        near_r, near_c = r, c
-                        if side == 0:
-                            kind, near_r = edge_type[layer, 0, r, c], r - 1
-                        elif side == 3:
-                            kind, near_c = edge_type[layer, 1, r, c], c - 1
-                        elif side == 1:
-                            near_c = c + 1
-                            kind = edge_type[layer, 1, r, near_c] if near_c < grid else _NON_STITCH
-                        else:
-                            near_r = r + 1
-                            kind = edge_type[layer, 0, near_r, c] if near_r < grid else _NON_STITCH
+                        kind, near_r, near_c = across_side(types, r, c, side)
                         if kind != _NON_BOUNDARY or near_r < 0 or near_c < 0:
                             continue
                         if inside[layer, near_r, near_c] and labels[layer, near_r, near_c] < 0:
@@ -55,6 +59,8 @@ def flood_fill(inside, edge_type, labels):
     return count
 
 
+# Vertices of the quad mesh are the classes of cells' corners that are the same point of the cloth:
+# union-find over the four corners of every cell, where a shared grid edge merges two pairs of them.
 @njit(cache=True)
 def merge_corners(mask, edge_type, corners):
     grid = mask.shape[0]
@@ -67,7 +73,6 @@ def merge_corners(mask, edge_type, corners):
                 index[row, col] = count
                 cells[count] = row, col
                 count += 1
-    # Union-find over the four corners of every cell; a shared grid edge merges two pairs of them.
     parent = np.arange(4 * count)
     for i in range(count):
         row, col = cells[i]
@@ -96,6 +101,7 @@ def merge_corners(mask, edge_type, corners):
     return cells, corner_ids, lattice[:vertex_count].copy()
 
 
+# The boundary of a mesh: all sides of cells across which the cloth does not go on.
 @njit(cache=True)
 def find_half_edges(cells, corner_ids, vertex_count, edge_type):
     grid = edge_type.shape[1]
@@ -111,18 +117,8 @@ def find_half_edges(cells, corner_ids, vertex_count, edge_type):
     for i in range(len(cells)):
         row, col = cells[i]
         for s in range(4):
-            if s == 0:
-                kind, near = edge_type[0, row, col], row > 0 and inside[row - 1, col]
-            elif s == 3:
-                kind, near = edge_type[1, row, col], col > 0 and inside[row, col - 1]
-            elif s == 1:
-                stored = col + 1 < grid
-                kind = edge_type[1, row, col + 1] if stored else _NON_STITCH
-                near = stored and inside[row, col + 1]
-            else:
-                stored = row + 1 < grid
-                kind = edge_type[0, row + 1, col] if stored else _NON_STITCH
-                near = stored and inside[row + 1, col]
+            kind, near_r, near_c = across_side(edge_type, row, col, s)
+            near = 0 <= near_r < grid and 0 <= near_c < grid and inside[near_r, near_c]
             if near and kind == _NON_BOUNDARY:
                 continue
             cell[count], side[count], kinds[count] = i, s, kind

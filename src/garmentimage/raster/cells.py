@@ -26,9 +26,6 @@ NEIGHBOURS = ((-1, 0), (0, 1), (1, 0), (0, -1))
 """(row, column) step through the bottom, right, top and left side."""
 
 
-_CORNERS = np.array(CORNERS)
-
-
 @dataclass(frozen=True)
 class CellMesh:
     """The quads of one cluster, or of a whole layer, with their corners merged."""
@@ -56,23 +53,6 @@ class HalfEdges:
     edge_type: Int[np.ndarray, " half"]
     following: Int[np.ndarray, " half"]
     """The half-edge that starts where this one ends, along the same loop."""
-
-    @property
-    def loops(self) -> list[Int[np.ndarray, " _"]]:
-        """Closed chains of half-edges, cloth on their left; each starts at its first half-edge."""
-        seen = np.zeros(len(self.cell), bool)
-        following = self.following.tolist()
-        loops = []
-        for first in range(len(seen)):
-            if seen[first]:
-                continue
-            chain, k = [first], following[first]
-            while k != first:
-                chain.append(k)
-                k = following[k]
-            seen[chain] = True
-            loops.append(np.array(chain))
-        return loops
 
 
 def label_panels(
@@ -104,7 +84,7 @@ def cell_mesh(
     """
     assert edge_type.shape == (2, len(mask), len(mask)) == (2, *mask.shape)
     cells, corner_ids, lattice = merge_corners(
-        np.ascontiguousarray(mask), np.ascontiguousarray(edge_type, np.int8), _CORNERS
+        np.ascontiguousarray(mask), np.ascontiguousarray(edge_type, np.int8), np.array(CORNERS)
     )
     return CellMesh(cells, corner_ids, len(lattice), lattice)
 

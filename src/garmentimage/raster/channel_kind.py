@@ -27,10 +27,25 @@ MAX_SUM_ERROR = 0.5
 nothing draws that of logits to 1."""
 
 
-def detect_channel_kind(
-    flags: Float[np.ndarray, "layer row col"], types: Float[np.ndarray, "layer 2 4 row col"]
+def resolve_channel_kind(
+    flags: Float[np.ndarray, "layer row col"],
+    types: Float[np.ndarray, "layer 2 4 row col"],
+    kind: ChannelKind | None = None,
 ) -> ChannelKind:
-    """What numbers are, judged by all of them together, so that an outlier changes nothing."""
+    """What numbers are, judged by all of them together, so that an outlier changes nothing.
+
+    Args:
+        flags: numbers for inside flags.
+        types: numbers for edge types.
+        kind: what they are said to be; then nothing is judged.
+
+    Raises:
+        ImageError: there is no such kind.
+    """
+    if kind is not None:
+        if kind not in CHANNEL_KINDS:
+            raise ImageError(f"no kind of channels {kind!r}; there are {', '.join(CHANNEL_KINDS)}")
+        return kind
     if is_binary(flags, types):
         return "channels"
     numbers = np.concatenate([flags.ravel(), types.ravel()])
@@ -50,13 +65,3 @@ def are_channels(types: Float[np.ndarray, "layer 2 4 row col"]) -> bool:
 def is_binary(flags: np.ndarray, types: np.ndarray) -> bool:
     """Whether all numbers are 0 or 1, so that there is nothing to guess."""
     return all(bool(((each == 0) | (each == 1)).all()) for each in (flags, types))
-
-
-def check_kind(kind: str) -> None:
-    """Refuse a kind that there is none of.
-
-    Raises:
-        ImageError: it is none of `CHANNEL_KINDS`.
-    """
-    if kind not in CHANNEL_KINDS:
-        raise ImageError(f"no kind of channels {kind!r}; there are {', '.join(CHANNEL_KINDS)}")

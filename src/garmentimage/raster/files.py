@@ -23,10 +23,7 @@ from garmentimage.raster.authors_layout import (
 from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.channels import MAX_GRID, MAX_LAYERS, MIN_GRID, check_channels
 from garmentimage.raster.frame import BodyFrame
-from garmentimage.raster.image import (
-    EdgeType,
-    GarmentImage,
-)
+from garmentimage.raster.image import EdgeType, GarmentImage
 from garmentimage.raster.panel_marks import mark_from_json, mark_to_json, read_text
 from garmentimage.system import (
     NPY_MAGIC,
@@ -74,7 +71,25 @@ def save_image(image: GarmentImage, path: str | Path) -> None:
 
 def image_bytes(image: GarmentImage) -> bytes:
     """The image as a `.npz` file, all of it."""
-    return npz_bytes(_to_arrays(image))
+    columns, rows = np.array(image.frame.columns), np.array(image.frame.rows)
+    meta = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": image.name,
+        "layer_names": list(image.layer_names),
+        "cell_size_cm": [float(np.median(np.diff(columns))), float(np.median(np.diff(rows)))],
+        "origin_cm": [float(columns[0]), float(rows[0])],
+        "marks": [mark_to_json(mark) for mark in image.marks],
+    }
+    arrays = {
+        "meta": np.frombuffer(json.dumps(meta, allow_nan=False).encode("ascii"), np.uint8),
+        "inside": np.asarray(image.inside, np.bool_),
+        "edge_type": np.asarray(image.edge_type, np.int8),
+        "deformation": np.asarray(image.deformation, np.float32),
+        "columns": columns,
+        "rows": rows,
+    }
+    return npz_bytes(arrays)
 
 
 def load_image(
@@ -138,28 +153,6 @@ def _channels(data: bytes, order: ChannelOrder | str | None) -> np.ndarray:
     if len(array) != 34:
         raise ImageError(f"{len(array)} channels; the authors' layout has 34")
     return channels_from_authors(array)
-
-
-def _to_arrays(image: GarmentImage) -> dict[str, np.ndarray]:
-    columns, rows = np.array(image.frame.columns), np.array(image.frame.rows)
-    meta = {
-        "format": FORMAT,
-        "version": VERSION,
-        "name": image.name,
-        "layer_names": list(image.layer_names),
-        "cell_size_cm": [float(np.median(np.diff(columns))), float(np.median(np.diff(rows)))],
-        "origin_cm": [float(columns[0]), float(rows[0])],
-        "marks": [mark_to_json(mark) for mark in image.marks],
-    }
-    text = json.dumps(meta, allow_nan=False)
-    return {
-        "meta": np.frombuffer(text.encode("ascii"), np.uint8),
-        "inside": np.asarray(image.inside, np.bool_),
-        "edge_type": np.asarray(image.edge_type, np.int8),
-        "deformation": np.asarray(image.deformation, np.float32),
-        "columns": columns,
-        "rows": rows,
-    }
 
 
 def _from_arrays(arrays: dict[str, np.ndarray], stem: str) -> GarmentImage:

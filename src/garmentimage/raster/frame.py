@@ -79,20 +79,14 @@ class BodyFrame:
 
     def to_lattice(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Body positions [cm] as lattice coordinates; beyond the grid the last cell goes on."""
-        points = np.asarray(points, float)
-        return np.stack([_map(points[:, 0], self.columns), _map(points[:, 1], self.rows)], axis=1)
+        x, y = np.asarray(points, float).T
+        return np.stack([_map(x, self.columns), _map(y, self.rows)], axis=1)
 
     def to_body(self, lattice: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Lattice coordinates as body positions [cm]."""
-        lattice = np.asarray(lattice, float)
         lines = np.arange(self.grid + 1)
-        return np.stack(
-            [
-                np.interp(lattice[:, 0], lines, self.columns),
-                np.interp(lattice[:, 1], lines, self.rows),
-            ],
-            axis=1,
-        )
+        x, y = np.asarray(lattice, float).T
+        return np.stack([np.interp(x, lines, self.columns), np.interp(y, lines, self.rows)], axis=1)
 
 
 def _map(values: np.ndarray, lines: tuple[float, ...]) -> np.ndarray:
@@ -100,4 +94,4 @@ def _map(values: np.ndarray, lines: tuple[float, ...]) -> np.ndarray:
     inside = np.interp(values, lines, np.arange(count + 1))
     below = np.minimum(values - lines[0], 0) / (lines[1] - lines[0])
     above = np.maximum(values - lines[-1], 0) / (lines[-1] - lines[-2])
-    return inside + below + above
+    return np.asarray(inside + below + above)

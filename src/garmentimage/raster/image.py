@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float32, Int8
 
 from garmentimage.errors import ImageError
 from garmentimage.pattern import Point, Vector
-from garmentimage.raster.channel_kind import ChannelKind, check_kind, detect_channel_kind
+from garmentimage.raster.channel_kind import ChannelKind, resolve_channel_kind
 from garmentimage.raster.channels import check_channels, join_channels, one_hot, split_channels
 from garmentimage.raster.frame import BodyFrame
 
@@ -99,7 +99,7 @@ class GarmentImage:
     @property
     def layers(self) -> int:
         """Number of layers."""
-        return self.inside.shape[0]
+        return len(self.inside)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GarmentImage):
@@ -163,21 +163,17 @@ class GarmentImage:
         flags, types, vectors = split_channels(check_channels(array))
         layers, grid = len(flags), flags.shape[-1]
         inside = flags > (0.0 if resolve_channel_kind(flags, types, kind) == "logits" else 0.5)
+        edge_type = types.argmax(axis=2).astype(np.int8)
         deformation = np.where(inside[:, None, None], vectors, 0.0).astype(np.float32)
-        if like is not None and (like.grid, like.layers) != (grid, layers):
+        if like is None:
+            names = default_layer_names(layers)
+            return cls(inside, edge_type, deformation, BodyFrame.standard(grid), names)
+        if (like.grid, like.layers) != (grid, layers):
             raise ImageError(
                 f"`like` has {like.layers} layers of {like.grid} cells, "
                 f"the array {layers} of {grid}"
             )
-        return cls(
-            inside=inside,
-            edge_type=types.argmax(axis=2).astype(np.int8),
-            deformation=deformation,
-            frame=like.frame if like is not None else BodyFrame.standard(grid),
-            layer_names=like.layer_names if like is not None else default_layer_names(layers),
-            marks=like.marks if like is not None else (),
-            name=like.name if like is not None else "",
-        )
+        return replace(like, inside=inside, edge_type=edge_type, deformation=deformation)
 
 
 def default_layer_names(layers: int) -> tuple[str, ...]:
@@ -185,20 +181,6 @@ def default_layer_names(layers: int) -> tuple[str, ...]:
     return tuple(
         ("front", "back")[k % 2] + ("" if k < 2 else f"-{k // 2 + 1}") for k in range(layers)
     )
-
-
-def resolve_channel_kind(
-    flags: np.ndarray, types: np.ndarray, kind: ChannelKind | None
-) -> ChannelKind:
-    """The kind that was said, or the one that the numbers look like.
-
-    Raises:
-        ImageError: there is no such kind.
-    """
-    if kind is None:
-        return detect_channel_kind(flags, types)
-    check_kind(kind)
-    return kind
 
 
 def mirrored_channels(

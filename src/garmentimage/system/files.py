@@ -40,29 +40,20 @@ def check_output(
     if out.suffix.lower() not in suffixes:
         raise OutputError(f"{shown_path(out)}: the name must end in {' or '.join(suffixes)}")
     try:
-        folder = out.absolute().parent
-        has_folder, is_folder = folder.is_dir(), out.is_dir()
-        is_other = any(_is_same(out, Path(other)) for other in others)
+        _check_target(out, out.absolute())
+        for other in map(Path, others):
+            both_exist = out.exists() and other.exists()
+            if out.samefile(other) if both_exist else out.resolve() == other.resolve():
+                raise OutputError(
+                    f"{shown_path(out)}: is an input or another output, too; "
+                    "choose another name or folder"
+                )
+    except OutputError:
+        raise
     except OSError as error:
         raise OutputError(
             f"{shown_path(out)}: cannot be used ({error.strerror}); choose another name"
         ) from None
-    if not has_folder:
-        raise OutputError(
-            f"{shown_path(out)}: there is no folder {shown_path(folder)}; make it first"
-        )
-    if is_folder:
-        raise OutputError(f"{shown_path(out)}: is a folder; name a file in it")
-    if is_other:
-        raise OutputError(
-            f"{shown_path(out)}: is an input or another output, too; choose another name or folder"
-        )
-
-
-def _is_same(path: Path, other: Path) -> bool:
-    if path.exists() and other.exists():
-        return path.samefile(other)
-    return path.resolve() == other.resolve()
 
 
 def write_atomically(path: str | os.PathLike[str], data: bytes | str) -> None:
@@ -77,25 +68,26 @@ def write_atomically(path: str | os.PathLike[str], data: bytes | str) -> None:
 
 
 def write_together(results: Mapping[str | os.PathLike[str], bytes | str]) -> None:
-    """Write several files, each whole, and none of them where one cannot be written.
+    """Write several files as `write_atomically` does, and none where one cannot be written.
 
     Devices come first, then a temporary file beside each path, and the renames last of all.
-
-    Raises:
-        OutputError: see `write_atomically`.
     """
     parts: list[tuple[Path, Path]] = []
     path: str | os.PathLike[str] = ""
     try:
-        for path, data in sorted(results.items(), key=lambda item: not _is_device(Path(item[0]))):
+        for path, data in sorted(results.items(), key=lambda item: not is_device(Path(item[0]))):
             raw = data.encode("utf-8") if isinstance(data, str) else data
             target = Path(path).resolve()
             _check_target(path, target)
-            if _is_device(target):
+            if is_device(target):
                 target.write_bytes(raw)
             else:
-                parts.append((target.with_name(f".{secrets.token_hex(8)}.part"), target))
-                _write_part(*parts[-1], raw)
+                part = target.with_name(f".{secrets.token_hex(8)}.part")
+                parts.append((part, target))
+                with part.open("xb") as file:
+                    file.write(raw)
+                if target.exists():
+                    part.chmod(stat.S_IMODE(target.stat().st_mode))
         for part, target in parts:
             part.replace(target)
     except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: links that go in circles
@@ -111,7 +103,8 @@ def write_together(results: Mapping[str | os.PathLike[str], bytes | str]) -> Non
                 part.unlink(missing_ok=True)
 
 
-def _is_device(path: Path) -> bool:
+def is_device(path: Path) -> bool:
+    """Whether the path is that of a pipe or a device."""
     return path.exists() and not path.is_file() and not path.is_dir()
 
 
@@ -122,13 +115,6 @@ def _check_target(path: str | os.PathLike[str], target: Path) -> None:
         raise OutputError(
             f"{shown_path(path)}: there is no folder {shown_path(target.parent)}; make it first"
         )
-
-
-def _write_part(part: Path, target: Path, raw: bytes) -> None:
-    with part.open("xb") as file:
-        file.write(raw)
-    if target.exists():
-        part.chmod(stat.S_IMODE(target.stat().st_mode))
 
 
 def safe_name(name: str, taken: Collection[str] = ()) -> str:

@@ -105,7 +105,7 @@ def map_in_processes(
             worker.stop()
 
 
-def _hire(work: Callable) -> _Worker:
+def _hire(work: Callable[[Any], object]) -> _Worker:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(work, theirs), daemon=True)
@@ -124,7 +124,7 @@ def _hire(work: Callable) -> _Worker:
     return _Worker(process, ours)
 
 
-def _serve(work: Callable, connection: Connection) -> None:
+def _serve(work: Callable[[Any], object], connection: Connection) -> None:
     """Life of a worker process: take an item, send its result, until the other end is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from garmentimage.errors import GarmentImageError
-from garmentimage.system.files import shown_path
+from garmentimage.system.files import is_device, shown_path
 
 CHUNK = 2**20
 """Read at a time [bytes]."""
@@ -34,7 +34,7 @@ def read_limited(
         must_be_ordinary: refuse pipes and devices, on which reading may never end.
     """
     try:
-        if must_be_ordinary and _is_pipe_or_device(Path(path)):
+        if must_be_ordinary and is_device(Path(path)):
             raise error("is not an ordinary file; copy its content to one")
         with Path(path).open("rb") as file:
             raw = _read(file, limit + 1)
@@ -58,10 +58,6 @@ def _read(file: BinaryIO, size: int) -> bytes:
     while size > chunks.tell() and (chunk := file.read(min(CHUNK, size - chunks.tell()))):
         chunks.write(chunk)
     return chunks.getvalue()
-
-
-def _is_pipe_or_device(path: Path) -> bool:
-    return path.exists() and not path.is_file() and not path.is_dir()
 
 
 @contextmanager

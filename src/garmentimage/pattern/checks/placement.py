@@ -62,6 +62,10 @@ WRONG_UNITS = (
     (100.0, "cm read as metres"),
 )
 """By how much a garment is too large where its unit is mistaken, and how."""
+PLACE_THEM = (
+    "place them around the body: front panels at +z, back panels at -z and turned by 180 degrees "
+    "about y"
+)
 
 
 def placement_findings(pattern: Pattern) -> tuple[Finding, ...]:
@@ -73,10 +77,10 @@ def placement_findings(pattern: Pattern) -> tuple[Finding, ...]:
     Returns:
         Findings with codes; see the module. Placements are judged by two panels or more.
     """
-    found = [*_size_findings(pattern)]
+    found = _size_findings(pattern)
     if len(pattern.panels) > 1:
         flat = _flat_finding(pattern)
-        found.extend([flat] if flat else _standing_findings(pattern))
+        found += [flat] if flat else _standing_findings(pattern)
     return tuple(found)
 
 
@@ -147,17 +151,10 @@ def _flat_finding(pattern: Pattern) -> Finding | None:
     origins = np.array([p.translation for p in pattern.panels])
     apart = float(np.linalg.norm(origins - origins[0], axis=1).max())
     if apart <= SAME_PLACE_SHARE * _largest_panel(pattern):
-        message = (
-            "all panels are at the same place; place them around the body: front panels at +z, "
-            "back panels at -z and turned by 180 degrees about y"
-        )
-        return Finding("placement", message, "unplaced")
+        return Finding("placement", f"all panels are at the same place; {PLACE_THEM}", "unplaced")
     if _seams_meet(pattern):
         return None  # one side of a garment, its parts where they are worn
-    message = (
-        "all panels lie in one plane, side by side as on paper; place them around the body: "
-        "front panels at +z, back panels at -z and turned by 180 degrees about y"
-    )
+    message = f"all panels lie in one plane, side by side as on paper; {PLACE_THEM}"
     return Finding("placement", message, "flat-layout")
 
 
@@ -171,16 +168,9 @@ def _in_one_plane(pattern: Pattern) -> bool:
 def _seams_meet(pattern: Pattern) -> bool:
     """Whether the sides of every seam lie near each other already."""
     tolerance = FLAT_SHARE * _largest_panel(pattern)
-    if not pattern.stitches:
-        return False
     middle = np.array([0.5])
-    for stitch in pattern.stitches:
-        a, b = (
-            pattern.by_name[s.panel].to_world(pattern.curve(s).at(middle))[0] for s in stitch.sides
-        )
-        if np.linalg.norm(a - b) > tolerance:
-            return False
-    return True
+    middles = [[pattern.in_world(s, middle)[0] for s in x.sides] for x in pattern.stitches]
+    return bool(middles) and all(np.linalg.norm(a - b) <= tolerance for a, b in middles)
 
 
 def _standing_findings(pattern: Pattern) -> list[Finding]:
@@ -199,13 +189,13 @@ def _standing_findings(pattern: Pattern) -> list[Finding]:
     aside = off_centre(pattern)
     found = [aside] if aside else []
     inward = facing_inwards(pattern)
-    if not inward:
-        return found
-    message = (
-        "its edges run clockwise seen from outside the body, so its wrong side faces out and "
-        "its seams twist; reverse the loop unless this is meant"
-    )
-    return [*found, Finding(f"panel {some(inward)}", message, "inside-out")]
+    if inward:
+        message = (
+            "its edges run clockwise seen from outside the body, so its wrong side faces out and "
+            "its seams twist; reverse the loop unless this is meant"
+        )
+        found.append(Finding(f"panel {some(inward)}", message, "inside-out"))
+    return found
 
 
 def _in_radians(pattern: Pattern) -> bool:

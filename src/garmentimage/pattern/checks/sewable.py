@@ -4,7 +4,8 @@ An error is raised at the first fault; a `Finding` is a fact that the pattern's 
 and that does not stop the work.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple
 from math import hypot, isfinite
 
 import numpy as np
@@ -14,7 +15,7 @@ from garmentimage.errors import PatternError, StitchError, quoted
 from garmentimage.geometry import connected_components, polyline_length
 from garmentimage.pattern.checks.placement import placement_findings
 from garmentimage.pattern.checks.split_seams import half_sewn_findings
-from garmentimage.pattern.finding import PANELS_NAMED, Finding, some
+from garmentimage.pattern.finding import Finding, some
 from garmentimage.pattern.model import (
     Circle,
     Cubic,
@@ -25,7 +26,6 @@ from garmentimage.pattern.model import (
     Point,
     Quadratic,
     Side,
-    Stitch,
     chord_count,
 )
 from garmentimage.pattern.seam_runs import STUB_CM, stubs
@@ -84,15 +84,14 @@ def check_pattern(
     """
     numbers = range(len(pattern.stitches)) if stitch_numbers is None else stitch_numbers
     check_structure(pattern, stitch_numbers=numbers)
-    found: list[Finding] = []
-    for panel in pattern.panels:
-        found.extend(_check_shape(panel))
-    found.extend(_check_stubs(pattern))
-    found.extend(_check_lengths(pattern, numbers))
-    found.extend(half_sewn_findings(pattern, numbers))
-    found.extend(_check_assembly(pattern))
-    found.extend(placement_findings(pattern))
-    return tuple(found)
+    return (
+        *(finding for panel in pattern.panels for finding in _check_shape(panel)),
+        *_check_stubs(pattern),
+        *_check_lengths(pattern, numbers),
+        *half_sewn_findings(pattern, numbers),
+        *_check_assembly(pattern),
+        *placement_findings(pattern),
+    )
 
 
 def check_structure(pattern: Pattern, *, stitch_numbers: Sequence[int] | None = None) -> None:
@@ -116,7 +115,7 @@ def check_structure(pattern: Pattern, *, stitch_numbers: Sequence[int] | None = 
         seen.add(panel.name)
         _check_panel_structure(panel)
     numbers = range(len(pattern.stitches)) if stitch_numbers is None else stitch_numbers
-    check_stitches(pattern.by_name, pattern.stitches, numbers)
+    _check_stitches(pattern, numbers)
 
 
 def check_name(name: str) -> None:
@@ -145,25 +144,18 @@ def edge_place(name: str, edge: int) -> str:
 
 def _check_panel_structure(panel: Panel) -> None:
     place = panel_place(panel.name)
-    count = sum(len(loop.edges) for loop in panel.loops)
+    count = len(panel.edges)
     if count > MAX_EDGES:
         raise PatternError(f"{place}: {count} edges; at most {MAX_EDGES} are taken")
     for what, vector in (("translation", panel.translation), ("rotation", panel.rotation)):
         if not all(isfinite(v) and abs(v) <= MAX_COORDINATE for v in vector):
             raise PatternError(f"{place}: its {what} is not finite; give three ordinary numbers")
-    first = 0
-    for loop in panel.loops:
-        check_loop(loop, panel.name, first)
-        first += len(loop.edges)
-    _check_marks(panel, count)
-
-
-def _check_marks(panel: Panel, edge_count: int) -> None:
-    place = panel_place(panel.name)
+    for loop, numbers in zip(panel.loops, panel.edge_ranges, strict=True):
+        _check_loop(loop, place, numbers.start)
     if panel.grain is not None and not abs(hypot(*panel.grain) - 1) <= GRAIN_TOL:
         raise PatternError(f"{place}: its grain line is not a unit direction; divide by its length")
     for notch in panel.notches:
-        if not (0 <= notch.edge < edge_count and 0 <= notch.at <= 1):
+        if not (0 <= notch.edge < count and 0 <= notch.at <= 1):
             raise PatternError(
                 f"{place}: a notch at {notch.at} of edge {notch.edge}; the edge must exist "
                 "and the place be a share from 0 to 1"
@@ -172,13 +164,8 @@ def _check_marks(panel: Panel, edge_count: int) -> None:
         raise PatternError(f"{place}: cloth layer {panel.cloth_layer}; give 0 to {MAX_CLOTH_LAYER}")
 
 
-def check_loop(loop: Loop, name: str, first: int = 0) -> None:
-    """Check vertices, edge ends and curves of one loop, whose edge 0 is edge `first` of the panel.
-
-    Raises:
-        PatternError: names the panel and the vertex or edge.
-    """
-    place = panel_place(name)
+def _check_loop(loop: Loop, place: str, first: int) -> None:
+    """Check vertices, edge ends and curves of a loop that begins with edge `first` of its panel."""
     for k, (x, y) in enumerate(loop.vertices):
         if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE):
             raise PatternError(
@@ -187,15 +174,10 @@ def check_loop(loop: Loop, name: str, first: int = 0) -> None:
             )
     if len(loop.edges) < 2:
         raise PatternError(f"{place}: a closed outline needs two edges or more")
-    count = len(loop.vertices)
     starts: set[int] = set()
     for k, edge in enumerate(loop.edges):
         where = f"{place}, edge {first + k}"
-        for end in (edge.start, edge.end):
-            if not 0 <= end < count:
-                raise PatternError(
-                    f"{where}: joins vertex {end}, but the panel has vertices 0 to {count - 1}"
-                )
+        check_ends((edge.start, edge.end), len(loop.vertices), where)
         after = loop.edges[(k + 1) % len(loop.edges)]
         if edge.end != after.start:
             raise PatternError(
@@ -208,10 +190,19 @@ def check_loop(loop: Loop, name: str, first: int = 0) -> None:
                 "a panel's outline must not touch itself"
             )
         starts.add(edge.start)
-        check_edge(edge, loop.vertices, where)
+        _check_edge(edge, loop.vertices, where)
 
 
-def check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
+def check_ends(ends: tuple[int, int], vertex_count: int, where: str) -> None:
+    """Check that an edge joins vertices that exist; `where` names it in the message."""
+    for end in ends:
+        if not 0 <= end < vertex_count:
+            raise PatternError(
+                f"{where}: joins vertex {end}, but the panel has vertices 0 to {vertex_count - 1}"
+            )
+
+
+def _check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
     """Check that an edge has a length and a curve that exists."""
     (x0, y0), (x1, y1) = vertices[edge.start], vertices[edge.end]
     chord = hypot(x1 - x0, y1 - y0)
@@ -227,40 +218,42 @@ def check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
                     f"{where}: an arc of radius {radius:g} cm cannot join points {chord:g} cm "
                     f"apart; the radius must be at least {chord / 2:g} cm"
                 )
-        case Quadratic(control):
-            _check_controls((control,), where)
-        case Cubic(control, control2):
-            _check_controls((control, control2), where)
+        case Quadratic() | Cubic() as curve:
+            if not all(abs(v) <= MAX_COORDINATE for control in astuple(curve) for v in control):
+                raise PatternError(f"{where}: its curvature is not finite; give ordinary numbers")
 
 
-def _check_controls(controls: Iterable[Point], where: str) -> None:
-    if not all(abs(v) <= MAX_COORDINATE for control in controls for v in control):
-        raise PatternError(f"{where}: its curvature is not finite; give ordinary numbers")
+def check_side(side: Side, edge_counts: Mapping[str, int], where: str) -> None:
+    """Check that the side of a stitch exists.
 
-
-def check_stitches(
-    panels: Mapping[str, Panel], stitches: Sequence[Stitch], numbers: Sequence[int]
-) -> None:
-    """Check that stitches name edges that exist, and no edge twice.
+    Args:
+        side: as the stitch names it.
+        edge_counts: the number of edges of each panel, by its name.
+        where: what the message calls the stitch or the side.
 
     Raises:
-        StitchError: names the stitch, or both where an edge is in two.
+        StitchError: there is no such panel, or no such edge.
     """
+    if side.panel not in edge_counts:
+        raise StitchError(f"{where}: names panel {quoted(side.panel)}, which does not exist")
+    count = edge_counts[side.panel]
+    if not 0 <= side.edge < count:
+        raise StitchError(
+            f"{where}: names edge {side.edge} of panel {quoted(side.panel)}, which has edges 0 to "
+            f"{count - 1}"
+        )
+
+
+def _check_stitches(pattern: Pattern, numbers: Sequence[int]) -> None:
+    """Check that stitches name edges that exist, and no edge twice."""
+    stitches = pattern.stitches
     if len(stitches) > MAX_STITCHES:
         raise StitchError(f"{len(stitches)} stitches; at most {MAX_STITCHES} are taken")
+    edge_counts = {panel.name: len(panel.edges) for panel in pattern.panels}
     user: dict[Side, int] = {}
     for number, stitch in zip(numbers, stitches, strict=True):
         for side in stitch.sides:
-            panel = panels.get(side.panel)
-            if panel is None:
-                raise StitchError(
-                    f"stitch {number}: names panel {quoted(side.panel)}, which does not exist"
-                )
-            if not 0 <= side.edge < len(panel.edges):
-                raise StitchError(
-                    f"stitch {number}: names edge {side.edge} of panel {quoted(side.panel)}, "
-                    f"which has edges 0 to {len(panel.edges) - 1}"
-                )
+            check_side(side, edge_counts, f"stitch {number}")
         if stitch.a == stitch.b:
             raise StitchError(
                 f"stitch {number}: sews edge {stitch.a.edge} of panel {quoted(stitch.a.panel)} "
@@ -291,7 +284,9 @@ def _check_shape(panel: Panel) -> list[Finding]:
             found.append(
                 Finding(place, f"lies {np.abs(origin).max():.3g} cm from its own origin; move it")
             )
-        _check_area(loop.area, ring, place)
+        perimeter = polyline_length(ring) + hypot(*(ring[0] - ring[-1]))
+        if abs(loop.area) < MIN_PANEL_WIDTH * perimeter**2 and _on_one_line(ring):
+            raise PatternError(f"{place}: has no area; its edges lie on one line")
         unused = set(range(len(loop.vertices))) - {e.start for e in loop.edges}
         if unused:
             found.append(Finding(place, f"vertex {min(unused)} is used by no edge"))
@@ -299,12 +294,6 @@ def _check_shape(panel: Panel) -> list[Finding]:
         found.append(Finding(place, f"has {len(panel.edges)} edges; a curve may do for many"))
     _check_simple(panel, rings)
     return found
-
-
-def _check_area(area: float, ring: Float[np.ndarray, "n 2"], place: str) -> None:
-    perimeter = polyline_length(ring) + hypot(*(ring[0] - ring[-1]))
-    if abs(area) < MIN_PANEL_WIDTH * perimeter**2 and _on_one_line(ring):
-        raise PatternError(f"{place}: has no area; its edges lie on one line")
 
 
 def _on_one_line(ring: Float[np.ndarray, "n 2"]) -> bool:
@@ -349,12 +338,10 @@ def _crossing_edges(
     import shapely
 
     starts = np.concatenate(rings)
-    ends = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
-    after = np.concatenate(
-        [np.roll(np.arange(len(r)), -1) + at for r, at in zip(rings, _offsets(rings), strict=True)]
-    )
+    numbers = np.split(np.arange(len(starts)), np.cumsum([len(ring) for ring in rings])[:-1])
+    after = np.concatenate([np.roll(own, -1) for own in numbers])
     owner = np.repeat(np.arange(len(panel.edges)), [chord_count(c) for c in panel.curves])
-    segments = shapely.linestrings(np.stack([starts, ends], axis=1))
+    segments = shapely.linestrings(np.stack([starts, starts[after]], axis=1))
     tree = shapely.STRtree(segments)
     for low in range(0, len(segments), SEGMENT_BLOCK):
         i, j = tree.query(segments[low : low + SEGMENT_BLOCK], predicate="intersects")
@@ -372,10 +359,6 @@ def _crossing_edges(
     return None
 
 
-def _offsets(rings: list[np.ndarray]) -> list[int]:
-    return [0, *np.cumsum([len(r) for r in rings])[:-1].tolist()]
-
-
 def _check_stubs(pattern: Pattern) -> list[Finding]:
     """Edges that are left over at corners."""
     found: dict[str, list[int]] = {}
@@ -384,20 +367,12 @@ def _check_stubs(pattern: Pattern) -> list[Finding]:
     return [
         Finding(
             panel_place(panel.name),
-            f"{_some_edges(found[panel.name])} shorter than {STUB_CM:g} cm; an image has no room "
-            "for that: what lies beside it meets there",
+            f"edge{'s' if len(edges) > 1 else ''} {some(edges)} {_are(edges)} shorter than "
+            f"{STUB_CM:g} cm; an image has no room for that: what lies beside it meets there",
         )
         for panel in pattern.panels
-        if panel.name in found
+        if (edges := found.get(panel.name))
     ]
-
-
-def _some_edges(edges: Sequence[int]) -> str:
-    if len(edges) == 1:
-        return f"edge {edges[0]} is"
-    shown = ", ".join(map(str, edges[:PANELS_NAMED]))
-    more = len(edges) - PANELS_NAMED
-    return f"edges {shown}{f' and {more} more' if more > 0 else ''} are"
 
 
 def _check_lengths(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
@@ -451,5 +426,5 @@ def components(pattern: Pattern) -> list[list[str]]:
     ]
 
 
-def _are(names: Sequence[str]) -> str:
-    return "is" if len(names) == 1 else "are"
+def _are(things: Sequence[object]) -> str:
+    return "is" if len(things) == 1 else "are"

@@ -11,6 +11,7 @@ from garmentimage.system import read_limited
 MAX_FILE_BYTES = 100_000_000
 MAX_NESTING = 100
 """Objects and lists within each other."""
+TOO_DEEP = f"nests objects and lists more than {MAX_NESTING} deep; no pattern does"
 OTHER_KINDS = (
     # (first bytes, what such a file is)
     (b"\x93NUMPY", "an image (.npy), not a pattern; `garmentimage decode` makes a pattern of it"),
@@ -58,7 +59,7 @@ def parse(raw: bytes, **options: Any) -> Any:
             f"character {error.pos}); save the pattern again"
         ) from None
     except RecursionError:
-        raise PatternFileError(_too_deep()) from None
+        raise PatternFileError(TOO_DEEP) from None
     except PatternError:
         raise
     except ValueError:
@@ -87,18 +88,14 @@ def capped_integer(text: str) -> int | float:
 
 def check_nesting(data: Any) -> None:
     """Refuse values that nest too deep to be compared or written again."""
-    level = [data] if isinstance(data, (dict, list)) else []
+    level = [data]
     for _ in range(MAX_NESTING):
+        level = [value for value in level if isinstance(value, (dict, list))]
         if not level:
             return
         level = [
             inner
             for value in level
             for inner in (value.values() if isinstance(value, dict) else value)
-            if isinstance(inner, (dict, list))
         ]
-    raise PatternFileError(_too_deep())
-
-
-def _too_deep() -> str:
-    return f"nests objects and lists more than {MAX_NESTING} deep; no pattern does"
+    raise PatternFileError(TOO_DEEP)

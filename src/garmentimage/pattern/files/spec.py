@@ -23,7 +23,7 @@ import json
 import os
 import warnings
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from garmentimage.errors import PatternError, PatternFileError, PatternWarning, check_type
 from garmentimage.pattern.files.json_file import (
@@ -38,15 +38,6 @@ from garmentimage.pattern.files.spec_writer import pattern_to_spec
 from garmentimage.pattern.finding import Finding
 from garmentimage.pattern.model import Pattern
 from garmentimage.system import errors_about, shown_path, write_atomically
-
-__all__ = [
-    "load_pattern",
-    "pattern_from_spec",
-    "pattern_to_spec",
-    "read_pattern",
-    "read_spec",
-    "save_pattern",
-]
 
 
 def load_pattern(path: str | os.PathLike[str]) -> Pattern:
@@ -74,7 +65,9 @@ def read_pattern(path: str | os.PathLike[str]) -> tuple[Pattern, tuple[Finding, 
         try:
             return read_spec(parse(raw), name=Path(path).stem)
         except LongInteger:
-            _refuse_long_integers(raw)
+            # Read again with such numbers as infinite, so that the error can name their place.
+            read_spec(parse(raw, parse_int=capped_integer))
+            raise PatternFileError("holds a number of thousands of digits; remove it") from None
 
 
 def pattern_from_spec(data: Any, name: str = "") -> Pattern:
@@ -93,12 +86,6 @@ def read_spec(data: Any, name: str = "") -> tuple[Pattern, tuple[Finding, ...]]:
     """
     check_nesting(data)
     return read_values(data, name)
-
-
-def _refuse_long_integers(raw: bytes) -> NoReturn:
-    """Read again with such numbers as infinite, so that the error can name their place."""
-    read_spec(parse(raw, parse_int=capped_integer))
-    raise PatternFileError("holds a number of thousands of digits; remove it")
 
 
 def save_pattern(pattern: Pattern, path: str | os.PathLike[str]) -> None:

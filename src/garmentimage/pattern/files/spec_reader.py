@@ -15,8 +15,10 @@ from garmentimage.pattern.checks import (
     MAX_PANELS,
     MAX_STITCHES,
     MIN_EDGE_LENGTH,
+    check_ends,
     check_name,
     check_pattern,
+    check_side,
     edge_place,
     panel_place,
 )
@@ -186,7 +188,10 @@ class _Reader:
         """What we do not know, by place; places without such things are left out."""
         in_pattern = without(body, ("panels", "stitches"))
         if "panel_order" in in_pattern:
-            in_pattern["panel_order"] = self.panel_order(in_pattern["panel_order"], body["panels"])
+            order = ordered_names(in_pattern["panel_order"], body["panels"])
+            if order != in_pattern["panel_order"]:
+                self.note("pattern.panel_order", "does not name each panel once; it was completed")
+            in_pattern["panel_order"] = order
         our_panels = {
             name: rest
             for name, given in ours.get("panels", {}).items()
@@ -200,12 +205,6 @@ class _Reader:
             "ours": {**in_ours, **({"panels": our_panels} if our_panels else {})},
         }
         return {place: fields for place, fields in places.items() if fields}
-
-    def panel_order(self, given: Any, panels: Mapping[str, Any]) -> list[str]:
-        order = ordered_names(given, panels)
-        if order != given:
-            self.note("pattern.panel_order", "does not name each panel once; it was completed")
-        return order
 
     def panel(
         self, name: str, data: Mapping[str, Any], ours: Mapping[str, Any], units: _Units
@@ -244,19 +243,15 @@ class _Reader:
         if what not in data:
             self.note(place, f"has no {what}; (0, 0, 0) is assumed")
             return 0.0, 0.0, 0.0
-        value = data[what]
-        where = f"{place}, {what}"
-        if (
-            what == "rotation"
-            and isinstance(value, list)
-            and any(isinstance(row, list) for row in value)
-        ):
-            return _angles_of_matrix(value, where)
-        if what == "rotation" and isinstance(value, list) and len(value) == 4:
-            raise PatternError(
-                f"{where}: four numbers, as of a quaternion; give three angles in degrees about "
-                "the fixed axes x, y, z, or a 3 x 3 matrix"
-            )
+        value, where = data[what], f"{place}, {what}"
+        if what == "rotation" and isinstance(value, list):
+            if any(isinstance(row, list) for row in value):
+                return _angles_of_matrix(value, where)
+            if len(value) == 4:
+                raise PatternError(
+                    f"{where}: four numbers, as of a quaternion; give three angles in degrees "
+                    "about the fixed axes x, y, z, or a 3 x 3 matrix"
+                )
         x, y, z = as_numbers(value, 3, where)
         return x, y, z
 
@@ -298,12 +293,7 @@ class _Reader:
         if len(ends) != 2:
             raise PatternError(f"{where}: has {len(ends)} endpoints; give two vertex numbers")
         start, end = (as_integer(v, f"{where}, endpoints") for v in ends)
-        for vertex in (start, end):
-            if not 0 <= vertex < len(vertices):
-                raise PatternError(
-                    f"{where}: joins vertex {vertex}, but the panel has vertices 0 to "
-                    f"{len(vertices) - 1}"
-                )
+        check_ends((start, end), len(vertices), where)
         if start == end:
             raise PatternError(
                 f"{where}: has no length (it joins vertex {start} to itself); remove it"
@@ -389,14 +379,13 @@ class _Reader:
     def used_vertices(self, loop: Loop, place: str) -> Loop:
         """The loop without vertices that no edge uses."""
         used = {v for e in loop.edges for v in (e.start, e.end)}
-        unused = [k for k in range(len(loop.vertices)) if k not in used]
+        unused = set(range(len(loop.vertices))) - used
         if not unused:
             return loop
-        self.note(place, f"vertex {unused[0]} is used by no edge and was left out")
-        kept = sorted(used)
-        new = {old: k for k, old in enumerate(kept)}
+        self.note(place, f"vertex {min(unused)} is used by no edge and was left out")
+        new = {old: k for k, old in enumerate(sorted(used))}
         edges = tuple(replace(e, start=new[e.start], end=new[e.end]) for e in loop.edges)
-        return Loop(tuple(loop.vertices[k] for k in kept), edges)
+        return Loop(tuple(loop.vertices[k] for k in new), edges)
 
     def stitches(
         self,
@@ -443,18 +432,13 @@ class _Reader:
 
     def without_copies(self, stitches: Sequence[Stitch]) -> tuple[list[int], list[Stitch]]:
         first: dict[tuple[frozenset[Side], bool], int] = {}
-        numbers, kept = [], []
         for number, stitch in enumerate(stitches):
-            key = (frozenset(stitch.sides), stitch.same_direction)
-            if key in first:
+            earlier = first.setdefault((frozenset(stitch.sides), stitch.same_direction), number)
+            if earlier != number:
                 self.note(
-                    f"stitches {first[key]} and {number}", "are the same; the second was left out"
+                    f"stitches {earlier} and {number}", "are the same; the second was left out"
                 )
-                continue
-            first[key] = number
-            numbers.append(number)
-            kept.append(stitch)
-        return numbers, kept
+        return list(first.values()), [stitches[number] for number in first.values()]
 
 
 def _chained(edges: Sequence[Edge], name: str, first: int) -> list[tuple[int, bool]]:
@@ -493,9 +477,7 @@ def _chained(edges: Sequence[Edge], name: str, first: int) -> list[tuple[int, bo
 def _label(data: Mapping[str, Any]) -> tuple[str | None, tuple[str, ...]]:
     """The label, and the field if it is one that we understand; others stay as they are."""
     label = data.get("label")
-    if label is None or isinstance(label, str):
-        return label, ("label",)
-    return None, ()
+    return (label, ("label",)) if label is None or isinstance(label, str) else (None, ())
 
 
 def _moved(loop: Loop, middle: np.ndarray) -> Loop:
@@ -521,8 +503,7 @@ def _units(properties: Mapping[str, Any]) -> _Units:
 
 
 def _angles_of_matrix(value: Any, where: str) -> Vector:
-    rows = [as_numbers(row, 3, where) for row in as_list(value, where)]
-    matrix = np.array(rows)
+    matrix = np.array([as_numbers(row, 3, where) for row in as_list(value, where)])
     if matrix.shape != (3, 3) or not (
         np.abs(matrix @ matrix.T - np.eye(3)).max() < ROTATION_TOL and np.linalg.det(matrix) > 0
     ):
@@ -545,15 +526,12 @@ def _notches(ours: Mapping[str, Any], place: str, order: Sequence[int]) -> tuple
 def _side(data: Any, where: str, edge_counts: Mapping[str, int]) -> tuple[Side, dict[str, Any]]:
     given = as_object(data, where, StitchError)
     panel = member(given, "panel", where, StitchError)
-    if not isinstance(panel, str) or panel not in edge_counts:
+    if not isinstance(panel, str):
         raise StitchError(f"{where}: names panel {shown(panel)}, which does not exist")
     edge = as_integer(member(given, "edge", where, StitchError), f"{where}, edge", StitchError)
-    if not 0 <= edge < edge_counts[panel]:
-        raise StitchError(
-            f"{where}: names edge {edge} of panel {quoted(panel)}, which has edges 0 to "
-            f"{edge_counts[panel] - 1}"
-        )
-    return Side(panel, edge), without(given, ("panel", "edge"))
+    side = Side(panel, edge)
+    check_side(side, edge_counts, where)
+    return side, without(given, ("panel", "edge"))
 
 
 def _renumbered(stitch: Stitch, orders: Mapping[str, Sequence[int]]) -> Stitch:
@@ -570,8 +548,6 @@ def _limited(found: Sequence[Finding]) -> tuple[Finding, ...]:
 
 def ordered_names(given: Any, names: Iterable[str]) -> list[str]:
     """`given` as far as it names each of `names` once, then those that it leaves out."""
-    names = list(names)
-    known = set(names)
-    listed = [n for n in given if isinstance(n, str)] if isinstance(given, list) else []
-    order = dict.fromkeys(n for n in listed if n in known)
-    return list(dict.fromkeys([*order, *names]))
+    known = dict.fromkeys(names)
+    listed = given if isinstance(given, list) else []
+    return list(dict.fromkeys([*(n for n in listed if isinstance(n, str) and n in known), *known]))

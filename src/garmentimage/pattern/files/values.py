@@ -1,7 +1,7 @@
 """Values from a JSON file, each checked: what is not as it should be is named with its place."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import Any
 
 from garmentimage.errors import PatternError, PatternFileError, quoted
@@ -105,7 +105,6 @@ def shown(value: Any) -> str:
     return json_type_name(value)
 
 
-def without(data: Mapping[str, Any], known: Iterable[str]) -> dict[str, Any]:
+def without(data: Mapping[str, Any], known: Container[str]) -> dict[str, Any]:
     """The fields that are not known."""
-    names = tuple(known)
-    return {key: value for key, value in data.items() if key not in names}
+    return {key: value for key, value in data.items() if key not in known}

@@ -1,17 +1,4 @@
-"""Corners of a run, and lines, arcs and Bézier curves fitted to it, in compiled code.
-
-Points q_0 .. q_n of a run lie at known shares s_j of the *length* of the curve sought, since the
-encoder placed them so. A Bézier curve B with fixed ends minimises
-
-    sum over inner points |B(t_j) - q_j|²
-
-over its one or two control points (linear least squares by normal equations) for given parameters
-t_j; then each t_j is set to where B has the share s_j of its length, and both steps are repeated.
-This is the alternation of Plass and Stone 1983 ("Curve-fitting with piecewise parametric cubics")
-with shares of the length in place of nearest points. Arcs come from Kåsa's circle (1976).
-"""
-
-# mypy: allow-untyped-defs, allow-untyped-calls
+"""Corners of a run, and lines, arcs and Bézier curves fitted to it, in compiled code."""
 
 import numpy as np
 from numba import njit
@@ -147,12 +134,10 @@ def fit_run(points):
     return REFUSED, controls, 0.0, 0.0
 
 
+# Kåsa's circle (1976): least squares of x² + y² + a x + b y + c. Points lie at even shares of it.
 @njit(cache=True)
 def fit_arc(points):
-    """Radius, sweep (counter-clockwise positive) and largest miss [cm] of a circular arc.
-
-    Kåsa's circle: least squares of x² + y² + a x + b y + c. Points lie at even shares of an arc.
-    """
+    """Radius, sweep (counter-clockwise positive) and largest miss [cm] of a circular arc."""
     count = len(points)
     mx, my = points[:, 0].mean(), points[:, 1].mean()
     sxx, sxy, syy, sxr, syr = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -235,6 +220,15 @@ def line_error(points):
     return worst
 
 
+# Points q_0 .. q_n of a run lie at known shares s_j of the *length* of the curve sought, since the
+# encoder placed them so. A Bézier curve B with fixed ends minimises
+#
+#     sum over inner points |B(t_j) - q_j|²
+#
+# over its one or two control points (linear least squares by normal equations) for given parameters
+# t_j; then each t_j is set to where B has the share s_j of its length, and both steps are repeated.
+# This is the alternation of Plass and Stone 1983 ("Curve-fitting with piecewise parametric cubics")
+# with shares of the length in place of nearest points.
 @njit(cache=True)
 def fit_bezier(points, shares, length, order, controls):
     """Fit `order` control points by least squares; returns the largest miss [cm]."""
@@ -266,12 +260,17 @@ def fit_bezier(points, shares, length, order, controls):
 
 
 @njit(cache=True)
-def bezier_point(points, controls, order, t):
+def bernstein(order, t):
+    """Weights at parameter `t` of start, first and second control point (of two), and end."""
     u = 1 - t
     if order == 1:
-        a, b, c, d = u * u, 2 * u * t, 0.0, t * t
-    else:
-        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+        return u * u, 2 * u * t, 0.0, t * t
+    return u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+
+
+@njit(cache=True)
+def bezier_point(points, controls, order, t):
+    a, b, c, d = bernstein(order, t)
     x = a * points[0, 0] + b * controls[0, 0] + c * controls[1, 0] + d * points[-1, 0]
     y = a * points[0, 1] + b * controls[0, 1] + c * controls[1, 1] + d * points[-1, 1]
     return x, y
@@ -283,11 +282,7 @@ def solve_controls(points, t, order, controls):
     m00, m01, m11 = 0.0, 0.0, 0.0
     rhs = np.zeros((2, 2))
     for j in range(1, len(points) - 1):
-        u, v = 1 - t[j], t[j]
-        if order == 1:
-            a, b, c, d = u * u, 2 * u * v, 0.0, v * v
-        else:
-            a, b, c, d = u * u * u, 3 * u * u * v, 3 * u * v * v, v * v * v
+        a, b, c, d = bernstein(order, t[j])
         m00 += b * b
         m01 += b * c
         m11 += c * c

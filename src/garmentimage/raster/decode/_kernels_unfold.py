@@ -1,11 +1,11 @@
-"""Normal equations of unfolding, in compiled code; `unfold` has the formulation."""
-
-# mypy: allow-untyped-defs, allow-untyped-calls
+"""Normal equations of unfolding, in compiled code."""
 
 import numpy as np
 from numba import njit
 
 
+# Where the gradient of Eq. 2 (see `unfold`) is zero, (L + weight I) v = weight p + b. L is the
+# graph Laplacian of the sides, b_i the sum of the vectors d that end in i less those that begin.
 @njit(cache=True)
 def normal_equations(start, end, wanted, positions, weight):
     """Lower band of the normal matrix of Eq. 2, and its right-hand side."""

@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.geometry import centroid, signed_area
+from garmentimage.geometry import centroid, signed_area, to_point
 from garmentimage.pattern import (
     Loop,
     Panel,
     Pattern,
-    Point,
     Side,
     Stitch,
     euler_angles,
@@ -140,22 +139,19 @@ def _place_panel(
     turn = np.zeros((3, 3))
     turn[:2, :2], turn[2, 2] = matrix, np.linalg.det(matrix)
     depth = cluster.outward * (DEPTH_CM + LAYER_STEP_CM * (cluster.layer // 2))
-    rotation, translation = euler_angles(turn), (float(shift[0]), float(shift[1]), depth)
+    known = PanelMark(name, cluster.layer, (0, 0)) if mark is None else mark
     return Panel(
         name,
         loops[0],
         tuple(loops[1:]),
-        translation if mark is None or mark.translation is None else mark.translation,
-        rotation if mark is None or mark.rotation is None else mark.rotation,
-        label=None if mark is None else mark.label,
-        grain=None if mark is None else mark.grain,
+        known.translation or (float(shift[0]), float(shift[1]), depth),
+        known.rotation or euler_angles(turn),
+        label=known.label,
+        grain=known.grain,
         cloth_layer=cluster.layer // 2,
     )
 
 
 def _moved(loop: Loop, move: Float[np.ndarray, " 2"]) -> Loop:
     # Curvature is relative to the edge, so only the vertices move.
-    vertices: tuple[Point, ...] = tuple(
-        (float(x + move[0]), float(y + move[1])) for x, y in loop.vertices
-    )
-    return Loop(vertices, loop.edges)
+    return Loop(tuple(to_point(np.array(v) + move) for v in loop.vertices), loop.edges)

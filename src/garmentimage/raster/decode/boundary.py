@@ -79,7 +79,8 @@ class Boundary:
         free = (mine == NONE) & (theirs == NONE)
         tip = theirs == np.arange(len(mine))
         sewn_on = (mine != NONE) & (theirs != NONE) & ~tip & (mine == before[theirs])
-        return (self.following != NONE) & ~free & ~sewn_on
+        starts: Bool[np.ndarray, " half"] = (self.following != NONE) & ~free & ~sewn_on
+        return starts
 
 
 def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary:

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.geometry import Arc, Bezier, Curve, Line
+from garmentimage.geometry import Arc, Bezier, Curve, Line, to_point
 from garmentimage.raster.decode._kernels_curve_fit import ARC, LINE, REFUSED, find_corners, fit_run
 
 SMOOTH_JOINT = np.deg2rad(12.0)
@@ -62,14 +62,14 @@ def fit_curve(points: Float[np.ndarray, "n 2"]) -> Curve | None:
         None where no single curve stays within the tolerance.
     """
     kind, controls, radius, swept = fit_run(np.ascontiguousarray(points))
-    start, end = _point(points[0]), _point(points[-1])
+    start, end = to_point(points[0]), to_point(points[-1])
     if kind == REFUSED:
         return None
     if kind == LINE:
         return Line(start, end)
     if kind == ARC:
         return Arc(start, end, radius, large=abs(swept) > np.pi, right=swept > 0)
-    return Bezier(start, tuple(_point(c) for c in controls[:kind]), end)
+    return Bezier(start, tuple(to_point(c) for c in controls[:kind]), end)
 
 
 def _join_smoothly(before: Curve, after: Curve) -> tuple[Curve, Curve]:
@@ -128,8 +128,4 @@ def _fit_parts(
 
 
 def _chord(sides: tuple[np.ndarray, ...], k: int) -> Part:
-    return Part(k, k + 1, tuple(Line(_point(s[k]), _point(s[k + 1])) for s in sides))
-
-
-def _point(xy: np.ndarray) -> tuple[float, float]:
-    return float(xy[0]), float(xy[1])
+    return Part(k, k + 1, tuple(Line(to_point(s[k]), to_point(s[k + 1])) for s in sides))

@@ -38,7 +38,7 @@ def shares_along(
     distance, at = cKDTree(curve).query(vertices)
     at = np.unique(at[(distance < FOUND_CM) & (at < len(curve) - 1)])
     lengths = lengths_along(curve)
-    return (lengths[at] / lengths[-1]).tolist()
+    return list(map(float, lengths[at] / lengths[-1]))
 
 
 def divisions_on(

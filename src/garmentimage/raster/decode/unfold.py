@@ -1,15 +1,4 @@
-"""Unfolding: the quad mesh of a panel deformed until its edges have their encoded vectors.
-
-With v the vertices sought, d the encoded vector of each cell's side (i, j) and p the vertices of
-the undeformed grid on the body (paper, Section 3.3, Eq. 2), this minimises
-
-    sum over sides |(v_j - v_i) - d_ij|²  +  weight · sum over vertices |v_i - p_i|²
-
-x and y are independent and share one matrix, `weight` on its diagonal plus the graph Laplacian of
-the sides. It is symmetric, positive definite and, as vertices are numbered in raster order, banded:
-a banded Cholesky factorisation solves it directly. A side of two cells counts once for each, so
-where their vectors differ the mean is met.
-"""
+"""Unfolding: the quad mesh of a panel deformed until its edges have their encoded vectors."""
 
 import numpy as np
 from jaxtyping import Float, Float64
@@ -25,6 +14,15 @@ The paper's weight is 1 and pulls the panel to the grid: on correct 16 x 16 imag
 (489 panels) their mean IoU is 0.540 with it, 0.990 with 1e-3 and 0.996 with 1e-6."""
 
 
+# With v the vertices sought, d the encoded vector of each cell's side (i, j) and p the vertices of
+# the undeformed grid on the body (paper, Section 3.3, Eq. 2), this minimises
+#
+#     sum over sides |(v_j - v_i) - d_ij|²  +  weight · sum over vertices |v_i - p_i|²
+#
+# x and y are independent and share one matrix, `weight` on its diagonal plus the graph Laplacian of
+# the sides. It is symmetric, positive definite and, as vertices are numbered in raster order,
+# banded: a banded Cholesky factorisation solves it directly. A side of two cells counts once for
+# each, so where their vectors differ the mean is met.
 def unfold_cells(
     mesh: CellMesh,
     vectors: Float[np.ndarray, "cell 4 2"],

@@ -1,18 +1,4 @@
-"""The local search for the least-cost labelling, in compiled code.
-
-The labels are the flag f of every cell and the type t of every grid edge. Minimised is
-
-    sum over cells C(f)  +  sum over grid edges C(t)  +  ODD_FOLD_COST for each odd fold
-
-subject to every t fitting the flags on both sides of its grid edge (see `labelling`). Given the
-flags, the best type of each grid edge is independent of all others and found by comparing four
-costs, so only flags are searched: iterated conditional modes (Besag 1986, "On the statistical
-analysis of dirty pictures"). A sweep visits each cell of both layers at once and takes the flags
-that make the cell and its four grid edges cheapest; the energy never rises, and sweeps end when
-none changed a cell.
-"""
-
-# mypy: allow-untyped-defs, allow-untyped-calls
+"""The local search for the least-cost labelling, in compiled code."""
 
 import numpy as np
 from numba import njit
@@ -26,6 +12,17 @@ costs this much more."""
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
 _SWEEPS = 20
+
+# The labels are the flag f of every cell and the type t of every grid edge. Minimised is
+#
+#     sum over cells C(f)  +  sum over grid edges C(t)  +  ODD_FOLD_COST for each odd fold
+#
+# subject to every t fitting the flags on both sides of its grid edge (see `labelling`). Given the
+# flags, the best type of each grid edge is independent of all others and found by comparing four
+# costs, so only flags are searched: iterated conditional modes (Besag 1986, "On the statistical
+# analysis of dirty pictures"). A sweep visits each cell of both layers at once and takes the flags
+# that make the cell and its four grid edges cheapest; the energy never rises, and sweeps end when
+# none changed a cell.
 
 
 @njit(cache=True)
@@ -83,7 +80,26 @@ def best_of_edge(inside, type_cost, h, row, col):
 
 
 @njit(cache=True)
-def minimise_pair(inside, flag_cost, type_cost, types):
+def energy_around(inside, flag_cost, type_cost, row, col, choice):
+    """Give a cell the flags that the bits of `choice` are; the cost of all terms that hold it."""
+    layers, grid, _ = inside.shape
+    cost = 0.0
+    for layer in range(layers):
+        flag = (choice >> layer) & 1
+        inside[layer, row, col] = flag == 1
+        cost += flag_cost[flag, layer, row, col]
+    cost += best_of_edge(inside, type_cost, 0, row, col)[0]
+    cost += best_of_edge(inside, type_cost, 1, row, col)[0]
+    if row + 1 < grid:
+        cost += best_of_edge(inside, type_cost, 0, row + 1, col)[0]
+    if col + 1 < grid:
+        cost += best_of_edge(inside, type_cost, 1, row, col + 1)[0]
+    return cost
+
+
+@njit(cache=True)
+def minimise_pair(inside, flag_cost, type_cost):
+    """Search the best flags of a pair of layers, from those in `inside` on."""
     layers, grid, _ = inside.shape
     for _ in range(_SWEEPS):
         changed = False
@@ -96,18 +112,7 @@ def minimise_pair(inside, flag_cost, type_cost, types):
                 # The present choice comes first, so that it wins ties.
                 for turn in range(1 << layers):
                     choice = now ^ turn
-                    # The energy of all terms that hold this cell, with these flags.
-                    cost = 0.0
-                    for layer in range(layers):
-                        flag = (choice >> layer) & 1
-                        inside[layer, row, col] = flag == 1
-                        cost += flag_cost[flag, layer, row, col]
-                    cost += best_of_edge(inside, type_cost, 0, row, col)[0]
-                    cost += best_of_edge(inside, type_cost, 1, row, col)[0]
-                    if row + 1 < grid:
-                        cost += best_of_edge(inside, type_cost, 0, row + 1, col)[0]
-                    if col + 1 < grid:
-                        cost += best_of_edge(inside, type_cost, 1, row, col + 1)[0]
+                    cost = energy_around(inside, flag_cost, type_cost, row, col, choice)
                     # A margin, so that rounding does not make two equal choices take turns.
                     if cost < best_cost - 1e-9:
                         best, best_cost = choice, cost
@@ -115,8 +120,13 @@ def minimise_pair(inside, flag_cost, type_cost, types):
                     inside[layer, row, col] = (best >> layer) & 1 == 1
                 changed = changed or best != now
         if not changed:
-            break
-    # Flags are settled; now the types that were implied all along.
+            return
+
+
+@njit(cache=True)
+def set_types(inside, type_cost, types):
+    """The best types of all grid edges, given the flags."""
+    layers, grid, _ = inside.shape
     for h in range(2):
         for row in range(grid):
             for col in range(grid):

@@ -12,13 +12,8 @@ from jaxtyping import Bool, Float
 
 from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.channels import EDGE_TYPE_COUNT, check_channels, one_hot, split_channels
-from garmentimage.raster.image import (
-    BOTTOM,
-    LEFT,
-    EdgeType,
-    GarmentImage,
-)
-from garmentimage.raster.repair._kernels import minimise_pair
+from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
+from garmentimage.raster.repair._kernels import minimise_pair, set_types
 
 MAX_COST = 14.0
 """Cost of a probability of 0, and the largest of all [nats]."""
@@ -55,6 +50,7 @@ def unary_costs(array: np.ndarray, kind: ChannelKind) -> UnaryCosts:
         decided = one_hot_costs(GarmentImage.from_channels(array, kind=kind))
         return UnaryCosts(decided.inside, decided.types, vectors)
     if kind == "logits":
+        # -log sigmoid(±f), and -log softmax(t) = log(sum of all exp(t)) - t.
         both = np.logaddexp(0, np.stack([flags, -flags]))
         each = np.logaddexp.reduce(types, axis=2, keepdims=True) - types
         return UnaryCosts(np.minimum(both, MAX_COST), np.minimum(each, MAX_COST), vectors)
@@ -66,7 +62,7 @@ def unary_costs(array: np.ndarray, kind: ChannelKind) -> UnaryCosts:
 
 
 def _cost(probability: np.ndarray) -> np.ndarray:
-    return -np.log(np.maximum(probability, np.exp(-MAX_COST)))
+    return np.asarray(-np.log(np.maximum(probability, np.exp(-MAX_COST))))
 
 
 def one_hot_costs(image: GarmentImage) -> UnaryCosts:
@@ -80,7 +76,8 @@ def with_neighbour_gain(
 ) -> Float[np.ndarray, "layer 2 4 row col"]:
     """Costs less what each type gains from the touching grid edges that have it."""
     layers, _, grid, _ = types.shape
-    # Number of grid edges of each type at every lattice point.
+    # A Potts term between grid edges that touch, at the types as they are: what continues a wall is
+    # cheaper. Counted are the grid edges of each type at every lattice point.
     at_point = np.zeros((layers, EDGE_TYPE_COUNT, grid + 1, grid + 1))
     is_type = one_hot(types).astype(float)
     bottom, left = is_type[:, BOTTOM], is_type[:, LEFT]
@@ -101,8 +98,8 @@ def minimise_energy(
 
     Args:
         inside: where the search starts.
-        flag_cost: [2, layer, row, col], as `Beliefs.inside`.
-        type_cost: [layer, 2, 4, row, col], as `Beliefs.types`.
+        flag_cost: [2, layer, row, col], as `UnaryCosts.inside`.
+        type_cost: [layer, 2, 4, row, col], as `UnaryCosts.types`.
     """
     layers, grid, _ = inside.shape
     assert flag_cost.shape == (2, layers, grid, grid)
@@ -111,5 +108,6 @@ def minimise_energy(
     types = np.empty((len(inside), 2, *inside.shape[1:]), np.int8)
     for first in range(0, len(inside), 2):
         pair = slice(first, first + 2)
-        minimise_pair(inside[pair], flag_cost[:, pair], type_cost[pair], types[pair])
+        minimise_pair(inside[pair], flag_cost[:, pair], type_cost[pair])
+        set_types(inside[pair], type_cost[pair], types[pair])
     return inside, types

@@ -11,15 +11,9 @@ from typing import Literal
 import numpy as np
 
 from garmentimage.errors import ImageError
-from garmentimage.raster.channel_kind import ChannelKind, is_binary
+from garmentimage.raster.channel_kind import ChannelKind, is_binary, resolve_channel_kind
 from garmentimage.raster.channels import check_channels, split_channels
-from garmentimage.raster.image import (
-    BOTTOM,
-    LEFT,
-    EdgeType,
-    GarmentImage,
-    resolve_channel_kind,
-)
+from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
 from garmentimage.raster.repair.labelling import (
     UnaryCosts,
     minimise_energy,

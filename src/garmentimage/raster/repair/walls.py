@@ -47,6 +47,7 @@ SHARED_TOL = 0.12
 
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
+_CUTS = (_NON_STITCH, _FRONT_TO_BACK)
 
 Flags = Bool[np.ndarray, "layer row col"]
 Types = Int[np.ndarray, "layer 2 row col"]
@@ -175,7 +176,7 @@ def _are_thin(regions: Int[np.ndarray, "row col"], count: int) -> Bool[np.ndarra
         np.maximum.at(high, label, at)
         widths.append(high - low)
     is_band = (np.minimum(*widths) == 0) & (np.maximum(*widths) + 1 >= BAND_LENGTH)
-    return is_band | _are_small(regions, count)
+    return np.asarray(is_band | _are_small(regions, count))
 
 
 def drop_isolated_regions(
@@ -206,7 +207,7 @@ def drop_isolated_regions(
 def _are_small(regions: Int[np.ndarray, "row col"], count: int) -> Bool[np.ndarray, " region"]:
     """Which regions have few cells."""
     limit = SMALL_REGION if len(regions) >= SMALL_GRID else SMALL_REGION // 2
-    return np.bincount(regions[regions >= 0], minlength=count) < limit
+    return np.asarray(np.bincount(regions[regions >= 0], minlength=count) < limit)
 
 
 def _interfaces(
@@ -236,7 +237,7 @@ def remove_dangling_cuts(image: GarmentImage) -> tuple[GarmentImage, int]:
         flaps = [
             (layer, wall)
             for layer in range(image.layers)
-            for h, row, col in np.argwhere(inner[layer] & _is_cut(types[layer])).tolist()
+            for h, row, col in np.argwhere(inner[layer] & np.isin(types[layer], _CUTS)).tolist()
             if _has_tip(types[layer], wall := (h, row, col))
         ]
         if not flaps:
@@ -255,13 +256,7 @@ def _has_tip(types: np.ndarray, wall: Wall) -> bool:
     return any(len(walls) == 1 for walls in meeting)
 
 
-def _is_cut(types: np.ndarray) -> np.ndarray:
-    return (types == _NON_STITCH) | (types == _FRONT_TO_BACK)
-
-
-def repair_paper_cases(
-    image: GarmentImage,
-) -> tuple[Types, dict[str, int]]:
+def repair_paper_cases(image: GarmentImage) -> tuple[Types, dict[str, int]]:
     """The two invalid cases that the paper repairs (Section 5).
 
     Returns:
@@ -296,7 +291,7 @@ def _between_walls(types: Int[np.ndarray, "2 row col"]) -> Bool[np.ndarray, "2 r
     at_point[:-1, :-1] |= bottom | left
     at_point[:-1, 1:] |= bottom
     at_point[1:, :-1] |= left
-    both = np.zeros(types.shape, bool)
+    both = np.zeros((2, grid, grid), bool)
     both[BOTTOM] = at_point[:-1, :-1] & at_point[:-1, 1:]
     both[LEFT] = at_point[:-1, :-1] & at_point[1:, :-1]
     return both
