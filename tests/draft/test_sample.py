@@ -94,18 +94,20 @@ def test_a_saved_sample_still_tells_how_it_was_made(tmp_path):
     assert again.extra["ours"]["draft"] == one.record()
 
 
-def moody(fails):
-    """A kind that refuses its first `fails` drafts."""
-    calls = []
+class MoodyKind(Kind):
+    """A skirt that refuses its first drafts."""
 
-    def make(garment, body, design):
-        calls.append(1)
-        if len(calls) <= fails:
+    def draft(self, body, given):
+        if self.refusals:
+            self.refusals.pop()
             raise DraftError("it cannot be worn")
-        KINDS["skirt"].make(garment, body, design)
+        return super().draft(body, given)
 
-    skirt = KINDS["skirt"]
-    return Kind("moody", "", skirt.parameters, make, skirt.settled)
+
+def moody(fails):
+    kind = MoodyKind(**vars(KINDS["skirt"]))
+    object.__setattr__(kind, "refusals", [1] * fails)
+    return kind
 
 
 def test_a_rejected_draw_is_counted_with_its_reason_and_drawn_again():

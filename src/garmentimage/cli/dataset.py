@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from garmentimage.cli.options import Json, OutFolder, Seed, Whole, need_libraries, within
-from garmentimage.cli.terminal import Progress, list_facts, print_json, print_line, print_table
+from garmentimage.cli.terminal import Progress, list_facts, print_json, print_line
 from garmentimage.errors import DatasetError
+from garmentimage.metrics import plain_table
 from garmentimage.system import check_output, shown_path, write_atomically
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def recipes(*, json: Json = False) -> None:
              for r in found}
         )  # fmt: skip
     else:
-        print_table([each.name, each.doc] for each in found)
+        print(plain_table([[each.name, each.doc] for each in found], left=(0, 1)))
 
 
 def build(

@@ -6,29 +6,17 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from textwrap import indent
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Group, Parameter
 
-from garmentimage.cli.options import (
-    DEFAULT_BODY,
-    Json,
-    MeasuredBody,
-    Out,
-    OutFolder,
-    Whole,
-    within,
-)
-from garmentimage.cli.terminal import (
-    Progress,
-    print_json,
-    print_line,
-    print_table,
-    print_written,
-)
+from garmentimage.cli.options import DEFAULT_BODY, Json, MeasuredBody, Out, OutFolder, Whole, within
+from garmentimage.cli.terminal import Progress, print_json, print_line, print_written
 from garmentimage.cli.usage import group_of_verbs
 from garmentimage.errors import DraftError, OutputError, quoted
-from garmentimage.system import check_output, did_you_mean, safe_name, shown_path, write_atomically
+from garmentimage.metrics import plain_table
+from garmentimage.system import check_output, safe_name, shown_path, write_atomically
 
 if TYPE_CHECKING:
     from garmentimage.body import BodyMeasurements
@@ -52,16 +40,16 @@ def kinds(kind: str | None = None, /, *, json: Json = False) -> None:
     Args:
         kind: List this kind only.
     """
-    from garmentimage.draft import KINDS
+    from garmentimage.draft import KINDS, find_kind
 
-    chosen = [_kind(kind)] if kind else list(KINDS.values())
+    chosen = [find_kind(kind)] if kind else list(KINDS.values())
     if json:
         print_json({"kinds": [_kind_facts(each) for each in chosen]})
         return
     for each in chosen:
         print(f"{each.name}: {each.doc}")
-        print_table(([name, _range(p), p.doc] for name, p in each.parameters.items()), indent="  ")
-        print()
+        rows = [[name, _range(p), p.doc] for name, p in each.parameters.items()]
+        print(indent(plain_table(rows, left=range(3)), "  ") + "\n")
 
 
 def _kind_facts(kind: "Kind") -> dict[str, Any]:
@@ -116,7 +104,7 @@ def bodies(
         return
     fields = next(iter(columns.values()))
     rows = [[field, *(f"{each[field]:.1f}" for each in columns.values())] for field in fields]
-    print_table([["[cm]", *columns], *rows], right=True)
+    print(plain_table([["[cm]", *columns], *rows]))
 
 
 # --- draft ---------------------------------------------------------------------------------------
@@ -318,11 +306,11 @@ def gallery(*kinds: str, out: Out, body: MeasuredBody = DEFAULT_BODY, json: Json
         kinds: Kinds to draw; without any, all.
         out: The picture (.png or .svg).
     """
-    from garmentimage.draft import KINDS, drafted
+    from garmentimage.draft import KINDS, drafted, find_kind
     from garmentimage.render import SUFFIXES, show_sheet
 
     check_output(out, SUFFIXES, [])
-    chosen = [_kind(name) for name in kinds] or list(KINDS.values())
+    chosen = [find_kind(name) for name in kinds] or list(KINDS.values())
     wearer = measured_body(body)
     rows = {each.name: [drafted(each, wearer, x) for x in LEVELS.values()] for each in chosen}
     show_sheet(rows, columns=list(LEVELS), out=out)
@@ -347,17 +335,8 @@ def _is_file(body: str) -> bool:
     return body.lower().endswith(".json")
 
 
-def _kind(name: str) -> "Kind":
-    from garmentimage.draft import KINDS
-
-    if name not in KINDS:
-        raise DraftError(f"there is no kind {quoted(name)}; {did_you_mean(name, KINDS)}")
-    return KINDS[name]
-
-
 def _source(name: str) -> "Source":
-    if not name.lower().endswith(PATTERN_SUFFIX):
-        return _kind(name)
+    from garmentimage.draft import find_kind
     from garmentimage.draft.templates import Template
 
-    return Template.read(name)
+    return Template.read(name) if name.lower().endswith(PATTERN_SUFFIX) else find_kind(name)

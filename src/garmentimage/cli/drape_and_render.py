@@ -16,15 +16,7 @@ from garmentimage.cli.draping import (
     drape_files,
     worn_facts,
 )
-from garmentimage.cli.options import (
-    Files,
-    Json,
-    Out,
-    Results,
-    Several,
-    Whole,
-    within,
-)
+from garmentimage.cli.options import Files, Json, Out, Results, Several, Whole, within
 from garmentimage.cli.terminal import print_json
 from garmentimage.errors import RenderError, quoted
 from garmentimage.system import check_output, did_you_mean, shown_path, write_together
@@ -297,11 +289,7 @@ def _look(
     colours: Sequence[tuple[str, str]],
     prints: Sequence[tuple[str, str]],
 ) -> "Look":
-    """A plain or a random look, as the options change it.
-
-    Raises:
-        RenderError: a part that the garment does not have, or an unreadable picture file.
-    """
+    """A plain or a random look, as the options change it."""
     from garmentimage.render.worn import Look, plain, scenery
 
     look = Look()

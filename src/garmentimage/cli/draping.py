@@ -9,14 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Group, Parameter
 
 from garmentimage.cli.options import DEFAULT_BODY, Whole, read_or_decode
-from garmentimage.cli.terminal import (
-    LongWait,
-    errors_about,
-    one_line,
-    print_line,
-)
+from garmentimage.cli.terminal import LongWait, one_line, print_line
 from garmentimage.errors import DraftError, DrapeError
-from garmentimage.system import shown_path
+from garmentimage.system import errors_about, shown_path
 
 if TYPE_CHECKING:
     from garmentimage.body import Body
@@ -48,12 +43,7 @@ DRAPING = DrapeOptions()
 
 
 def drape_files(files: Sequence[Path], options: DrapeOptions, *, keep_bad: bool) -> "DrapedGarment":
-    """The garments of some files on a body.
-
-    Raises:
-        GarmentImageError: a file, a body or a fabric is invalid, or the drape failed its checks
-            and is not to be kept.
-    """
+    """The garments of some files on a body."""
     from garmentimage.drape import drape_pattern, load_fabric, outfit
     from garmentimage.drape.mesh import explain_vertex_count
 

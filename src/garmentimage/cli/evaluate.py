@@ -1,9 +1,10 @@
 """The verb that measures networks: evaluate, with a verb of its own for each subject."""
 
 import json as json_module
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from garmentimage.evaluate import Candidate, EditMethod, Predictor
 
 RUN_FACTS = ("network", "settings", "config", "without")
-MAX_SHOWN = 3
-"""Garments of each split in the figure of predictions."""
 LATENT_AMOUNTS, IMAGE_AMOUNTS = LatentAmounts(), ImageAmounts()
 
 Data = Annotated[
@@ -68,7 +67,7 @@ def latent(
         vectors: Folder of a vector VAE of that dataset.
     """
     from garmentimage.dataset import read_summary
-    from garmentimage.evaluate import EDITS, describe_run, evaluate_latent, latent_table
+    from garmentimage.evaluate import EDITS, draw_latent_figures, evaluate_latent, latent_table
 
     recipe = read_summary(data)["recipe"]
     if recipe not in EDITS:
@@ -83,11 +82,12 @@ def latent(
         )
     result = {
         **_provenance(recipe, data),
-        **describe_run(networks, amounts),
+        "networks": [asdict(each) for each in networks],
+        "amounts": asdict(amounts),
         "figures": figures,
     }
     _write(out, result, latent_table(figures), as_json=json)
-    _draw_latent(out, networks, recipe, amounts)
+    draw_latent_figures(out, networks, recipe, amounts)
 
 
 def _candidates(data: Path, vae: str | None, vectors: Path | None) -> list["Candidate"]:
@@ -106,37 +106,6 @@ def _candidates(data: Path, vae: str | None, vectors: Path | None) -> list["Cand
     if not networks:
         raise LearnError("name a network with --vae or --vectors")
     return [*networks, Candidate("no network", "", str(data), "full")]
-
-
-def _draw_latent(
-    folder: Path, networks: Sequence["Candidate"], recipe: str, amounts: LatentAmounts
-) -> None:
-    """The first pair across types, and the first triplet of each edit, through each network."""
-    from garmentimage.evaluate import (
-        INTERPOLATION_STEPS,
-        draw_pairs,
-        draw_triplets,
-        edit_picture,
-        interpolation_picture,
-        load_codec,
-    )
-    from garmentimage.render import png_bytes
-
-    codecs = {
-        each.name.removesuffix(", full"): load_codec(each)
-        for each in networks
-        if each.level in ("full", None)
-    }
-    a, b, _ = draw_pairs(networks[0].data, amounts.pairs)[min(1, amounts.pairs - 1)]
-    picture = interpolation_picture(codecs, a, b, INTERPOLATION_STEPS)
-    write_atomically(folder / "interpolation.png", png_bytes(picture))
-    drawn = set()
-    for triplet in draw_triplets(recipe, amounts.triplets):
-        name = triplet.edit.name
-        if name not in drawn:
-            drawn.add(name)
-            file = f"edit-{name.replace(' + ', ' ').replace(' ', '-')}.png"
-            write_atomically(folder / file, png_bytes(edit_picture(codecs, triplet)))
 
 
 # --- image ---------------------------------------------------------------------------------------
@@ -163,6 +132,7 @@ def image(
             that differ only in their seed.
     """
     from garmentimage.evaluate import (
+        draw_prediction_figures,
         evaluate_images,
         group_by_held_out,
         held_out_table,
@@ -197,7 +167,7 @@ def image(
         results[held_out] = measured | {"networks": _run_facts(group)}
         tables.append(f"{held_out}\n\n{image_table(measured['figures'])}".lstrip())
         if not validation:
-            _draw_predictions(place, every, str(folder), held_out, amounts)
+            draw_prediction_figures(place, every, str(folder), held_out, amounts)
     if len(results) > 1:
         by_type = {held_out: measured["figures"] for held_out, measured in results.items()}
         tables.insert(0, held_out_table(by_type))
@@ -238,50 +208,10 @@ def _run_facts(predictors: Sequence["Predictor"]) -> list[dict[str, Any]]:
     """Of each network its folder, and the facts of its run."""
     from garmentimage.evaluate import read_run
 
-    rows: list[dict[str, Any]] = []
-    for each in predictors:
-        run = read_run(each)
-        facts = {key: run[key] for key in RUN_FACTS if key in run}
-        rows.append({"name": each.name, "folder": each.folder, **facts})
-    return rows
-
-
-def _draw_predictions(
-    folder: Path,
-    predictors: Sequence["Predictor"],
-    data: str,
-    held_out: str,
-    amounts: ImageAmounts,
-) -> None:
-    """Some of the measured garments, of each split and of all types, predicted by one cascade."""
-    from garmentimage.evaluate import (
-        SPLIT_NAMES,
-        TEACHER_STAGES,
-        has_unseen,
-        load_garments,
-        measuring_order,
-        predictions_picture,
-    )
-    from garmentimage.render import png_bytes
-
-    chosen: dict[str, Predictor] = {}
-    for each in predictors:
-        if each.level == "full" and each.kind not in (*TEACHER_STAGES, "random"):
-            chosen.setdefault(each.kind if each.kind == "cascade" else each.name, each)
-    for split, name in SPLIT_NAMES.items():
-        if split == "unseen" and not has_unseen(data, held_out):
-            continue
-        garments, _ = load_garments(data, split, held_out)
-        # Types in turn: of each the first, then of each the second, and so on.
-        counts: Counter[str] = Counter()
-        turns = []
-        for number in measuring_order(garments)[: amounts.of(split)]:
-            turns.append((counts[garments.types[number]], number))
-            counts[garments.types[number]] += 1
-        numbers = [number for _, number in sorted(turns, key=lambda turn: turn[0])[:MAX_SHOWN]]
-        if numbers:
-            drawn = predictions_picture(list(chosen.values()), data, held_out, garments, numbers)
-            write_atomically(folder / f"{name}.png", png_bytes(drawn))
+    return [
+        {"name": each.name, "folder": each.folder, **{k: run[k] for k in RUN_FACTS if k in run}}
+        for each, run in zip(predictors, map(read_run, predictors), strict=True)
+    ]
 
 
 # --- text ----------------------------------------------------------------------------------------
@@ -318,21 +248,23 @@ def text(
         garments: Garments that are edited.
     """
     from garmentimage.dataset import read_summary
-    from garmentimage.evaluate import evaluate_text_edits, text_edits_picture, text_edits_table
-    from garmentimage.render import png_bytes
+    from garmentimage.evaluate import draw_text_edits, evaluate_text_edits, text_edits_table
     from garmentimage.text_edit import check_options
 
     if (vectors is None) != (vector_image_decoder is None):
         raise LearnError("give --vectors and --vector-image-decoder together, or neither")
     recipe = read_summary(data)["recipe"]
     check_options(strength, steps, attempts)
-    common = {"data": str(data), "strength": strength, "steps": steps, "tries": attempts}
-    methods = _edit_methods(space, image_decoder, denoiser, common)
-    if vectors is not None:
-        methods.insert(
-            1,
-            _vector_method(vectors, str(vector_image_decoder), methods[0].denoiser, common),
-        )
+    methods = _edit_methods(
+        space,
+        image_decoder,
+        denoiser,
+        (vectors, vector_image_decoder) if vectors and vector_image_decoder else (),
+        data=str(data),
+        strength=strength,
+        steps=steps,
+        tries=attempts,
+    )
     split = "validation" if validation else "test"
     with Progress("garment") as progress:
         figures = evaluate_text_edits(
@@ -351,50 +283,38 @@ def text(
         "editors": [_named(each) for each in methods],
         "figures": figures,
     }
-    write_atomically(out / "edits.png", png_bytes(text_edits_picture(methods, split)))
+    draw_text_edits(out, methods, split)
     _write(out, result, text_edits_table(figures), as_json=json)
 
 
 def _edit_methods(
-    space: str, image_decoder: str, denoiser: str, common: dict[str, Any]
+    space: str,
+    image_decoder: str,
+    denoiser: str,
+    vector_networks: Sequence[str],
+    **common: Any,
 ) -> list["EditMethod"]:
-    """Edits with the small guidance, and two baselines: no guidance, the nearest caption."""
+    """Edits with the small guidance, and baselines: vectors, no guidance, the nearest caption."""
     from garmentimage.evaluate import EditMethod
     from garmentimage.latent import LatentSpace
     from garmentimage.networks import network_folder
     from garmentimage.text_edit import denoiser_names, image_decoder_names
 
-    pictures = network_folder(image_decoder, image_decoder_names(), "picture network")
-    guide = network_folder(denoiser, denoiser_names(), "denoiser")
-    folder = LatentSpace.load(space).folder
+    pictures = str(network_folder(image_decoder, image_decoder_names(), "picture network"))
+    guide = str(network_folder(denoiser, denoiser_names(), "denoiser"))
+    folder = str(LatentSpace.load(space).folder)
+    guided: Callable[..., EditMethod] = partial(EditMethod, denoiser=guide, **common)
+    methods = [guided("small guidance", "raster", space=folder, pictures=pictures)]
+    if vector_networks:
+        latents, decoder = vector_networks
+        methods.append(
+            guided("vectors, small guidance", "vectors", space=latents, pictures=decoder)
+        )
     return [
-        EditMethod(
-            "small guidance",
-            "raster",
-            space=str(folder),
-            pictures=str(pictures),
-            denoiser=str(guide),
-            **common,
-        ),
-        EditMethod("no guidance", "nothing", common["data"], str(folder)),
+        *methods,
+        EditMethod("no guidance", "nothing", common["data"], folder),
         EditMethod("nearest caption", "caption", common["data"]),
     ]
-
-
-def _vector_method(
-    vectors: str, image_decoder: str, denoiser: str, common: dict[str, Any]
-) -> "EditMethod":
-    """The same with the vector VAE, for comparison."""
-    from garmentimage.evaluate import EditMethod
-
-    return EditMethod(
-        "vectors, small guidance",
-        "vectors",
-        space=vectors,
-        pictures=image_decoder,
-        denoiser=denoiser,
-        **common,
-    )
 
 
 def _named(method: "EditMethod") -> dict[str, Any]:

@@ -17,12 +17,12 @@ from garmentimage.cli.options import (
     Whole,
     check_folder,
     garment_files,
-    make_folder,
     read_garment,
     sound_image,
+    write_results,
 )
 from garmentimage.cli.terminal import Progress, garment_facts, garment_words, print_json
-from garmentimage.system import shown_path, write_together
+from garmentimage.system import shown_path
 
 if TYPE_CHECKING:
     from garmentimage.latent import LatentSpace
@@ -167,8 +167,7 @@ def nearest(
         [source.pattern, *(pattern for *_, pattern in found)], titles=[garment.stem, *titles]
     )
     results[out / "nearest.png"] = picture_bytes(figure, "png")
-    make_folder(out)
-    write_together(results)
+    write_results(out, results, ())
     if json:
         print_json({"out": str(out), "garments": {name: apart for name, apart, _ in found}})
         return
@@ -205,9 +204,7 @@ def _write(
     results[out / "strip.png"] = png_bytes(strip([column for _, column in drawn]))
     if is_film:
         results[out / "film.gif"] = animation(list(made.values()))
-    make_folder(out)
-    write_together(results)
-    _remove_older(out, next(iter(made)), results)
+    write_results(out, results, _older_files(out, next(iter(made))))
     _report(out, made, as_json=as_json, is_film=is_film)
 
 
@@ -220,13 +217,12 @@ def _draped(columns: Iterable[Column], count: int) -> "Iterator[tuple[str, Strip
             progress.advance()
 
 
-def _remove_older(folder: Path, name: str, results: Results) -> None:
-    """Remove what an earlier run of the same command left and this one did not write."""
+def _older_files(folder: Path, name: str) -> list[str]:
+    """What an earlier run of the same command may have written."""
     word = re.escape(name.rstrip("0123456789"))
     ours = re.compile(rf"{word}\d*\.(json|npz|glb)", re.ASCII)
-    for file in folder.iterdir():
-        if ours.fullmatch(file.name) and file not in results and file.is_file():
-            file.unlink()
+    found = folder.iterdir() if folder.is_dir() else ()
+    return [file.name for file in found if ours.fullmatch(file.name) and file.is_file()]
 
 
 def _report(out: Path, made: "Mapping[str, StripFrame]", *, as_json: bool, is_film: bool) -> None:

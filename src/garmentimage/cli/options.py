@@ -1,6 +1,6 @@
 """Options that verbs share: their types, their groups, and the files and folders they name."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from math import inf
@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter, Token
 
-from garmentimage.cli.terminal import errors_about, print_findings, print_line
+from garmentimage.cli.terminal import print_findings, print_line
 from garmentimage.errors import GarmentImageError, LearnError
-from garmentimage.system import shown_path
+from garmentimage.system import check_output, errors_about, shown_path, write_together
 
 if TYPE_CHECKING:
     from garmentimage.latent import LatentSpace
@@ -82,11 +82,7 @@ def is_image(path: Path) -> bool:
 
 
 def read_source(path: Path, order: str | None = None) -> "Pattern | GarmentImage":
-    """A pattern or a GarmentImage from its file.
-
-    Raises:
-        GarmentImageError: the file holds neither.
-    """
+    """A pattern or a GarmentImage from its file."""
     if is_image(path):
         from garmentimage.raster import load_image
 
@@ -95,11 +91,7 @@ def read_source(path: Path, order: str | None = None) -> "Pattern | GarmentImage
 
 
 def read_pattern_file(path: Path) -> "Pattern":
-    """A pattern from its file; what is odd about it is printed.
-
-    Raises:
-        GarmentImageError: the file holds no pattern.
-    """
+    """A pattern from its file; what is odd about it is printed."""
     from garmentimage.pattern.files import read_pattern
 
     pattern, findings = read_pattern(path)
@@ -108,11 +100,7 @@ def read_pattern_file(path: Path) -> "Pattern":
 
 
 def read_or_decode(path: Path) -> "Pattern":
-    """A pattern from its file, or the one that a GarmentImage holds.
-
-    Raises:
-        GarmentImageError: the file holds neither, or an image that cannot be decoded.
-    """
+    """A pattern from its file, or the one that a GarmentImage holds."""
     if not is_image(path):
         return read_pattern_file(path)
     from garmentimage.raster.decode import decode
@@ -173,11 +161,7 @@ def garment_files(stem: Path, garment: "StripFrame") -> Results:
 
 
 def check_folder(out: Path) -> None:
-    """Refuse what cannot be a folder of results, before any work is done.
-
-    Raises:
-        LearnError: it is a file, or cannot be looked at.
-    """
+    """Refuse what cannot be a folder of results, before any work is done."""
     try:
         is_file = out.exists() and not out.is_dir()
     except OSError as error:
@@ -189,11 +173,7 @@ def check_folder(out: Path) -> None:
 
 
 def make_folder(out: Path) -> None:
-    """Make the folder of results where there is none.
-
-    Raises:
-        LearnError: it cannot be made.
-    """
+    """Make the folder of results where there is none."""
     check_folder(out)
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -201,6 +181,23 @@ def make_folder(out: Path) -> None:
         raise LearnError(
             f"{shown_path(out)}: cannot be made ({error.strerror}); choose another folder"
         ) from None
+
+
+def check_results(out: Path, names: Iterable[str], inputs: Iterable[Path]) -> None:
+    """Refuse a folder of results in which one of these names is an input."""
+    check_folder(out)
+    for name in names:
+        if (out / name).exists():
+            check_output(out / name, (Path(name).suffix,), inputs)
+
+
+def write_results(out: Path, results: Results, names: Iterable[str]) -> None:
+    """Write results to a folder; what an earlier call left under these names is removed."""
+    make_folder(out)
+    write_together(results)
+    for name in names:
+        if out / name not in results:
+            (out / name).unlink(missing_ok=True)
 
 
 def need_libraries(

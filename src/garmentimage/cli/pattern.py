@@ -1,6 +1,6 @@
 """The verbs of patterns and their images: check, show, encode, decode, roundtrip."""
 
-import json
+import json as json_module
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -25,7 +25,6 @@ from garmentimage.cli.terminal import (
     Exit,
     Progress,
     error_facts,
-    errors_about,
     list_facts,
     one_line,
     print_findings,
@@ -34,7 +33,7 @@ from garmentimage.cli.terminal import (
     print_written,
 )
 from garmentimage.errors import GarmentImageError, PatternError, PatternFileError
-from garmentimage.system import check_output, shown_path, write_atomically
+from garmentimage.system import check_output, errors_about, shown_path, write_atomically
 
 if TYPE_CHECKING:
     from garmentimage.metrics import FileReport
@@ -256,7 +255,7 @@ def roundtrip(
         )
     data = report_to_json(reports, grid)
     if report is not None:
-        write_atomically(report, _json_text(data))
+        write_atomically(report, json_module.dumps(data, indent=1) + "\n")
     if json:
         print_json(data)
     else:
@@ -267,10 +266,6 @@ def roundtrip(
     if len(failed) > MAX_FAILURES_SHOWN:
         print_line(f"and {len(failed) - MAX_FAILURES_SHOWN} more; --report writes them all")
     return Exit.NOT_THE_SAME if failed else Exit.OK
-
-
-def _json_text(data: Any) -> str:
-    return json.dumps(data, indent=1) + "\n"
 
 
 def _reason(report: "FileReport") -> str:

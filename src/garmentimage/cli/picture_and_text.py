@@ -13,12 +13,12 @@ from garmentimage.cli.options import (
     OutFolder,
     Space,
     Whole,
-    check_folder,
+    check_results,
     garment_files,
-    make_folder,
     need_libraries,
     read_garment,
     sound_image,
+    write_results,
 )
 from garmentimage.cli.terminal import (
     Exit,
@@ -31,7 +31,7 @@ from garmentimage.cli.terminal import (
     print_line,
 )
 from garmentimage.errors import LearnError, quoted
-from garmentimage.system import check_output, safe_name, shown_path, write_together
+from garmentimage.system import safe_name, shown_path
 
 if TYPE_CHECKING:
     from garmentimage.networks import StripFrame
@@ -64,9 +64,8 @@ def predict(
     from garmentimage.networks import draped_frame
     from garmentimage.predict import PatternPredictor
 
-    check_folder(out)
     names = _names(images)
-    _check_inputs(out, names)
+    check_results(out, [name + suffix for name in names for suffix in PREDICTED_SUFFIXES], images)
     predictor = PatternPredictor.load(network)
     done: list[dict[str, Any]] = []
     failed: list[dict[str, Any]] = []
@@ -97,18 +96,6 @@ def _names(images: Sequence[Path]) -> dict[str, Path]:
     return names
 
 
-def _check_inputs(out: Path, names: Mapping[str, Path]) -> None:
-    """Refuse to write over a picture that is an input.
-
-    Raises:
-        OutputError: names it.
-    """
-    for name in names:
-        for suffix in PREDICTED_SUFFIXES:
-            if (out / (name + suffix)).exists():
-                check_output(out / (name + suffix), PREDICTED_SUFFIXES, names.values())
-
-
 def _write_prediction(out: Path, name: str, prediction: "Prediction", draped: "StripFrame") -> None:
     """Write what is found, and remove what an earlier run found under the same name."""
     from garmentimage.predict import draw_report
@@ -116,11 +103,7 @@ def _write_prediction(out: Path, name: str, prediction: "Prediction", draped: "S
 
     results = garment_files(out / name, draped)
     results[out / f"{name}.png"] = png_bytes(draw_report(prediction, draped))
-    make_folder(out)
-    write_together(results)
-    for suffix in PREDICTED_SUFFIXES:
-        if out / (name + suffix) not in results:
-            (out / (name + suffix)).unlink(missing_ok=True)
+    write_results(out, results, [name + suffix for suffix in PREDICTED_SUFFIXES])
 
 
 def _facts(name: str, prediction: "Prediction", draped: "StripFrame") -> dict[str, Any]:
@@ -191,17 +174,18 @@ def edit(
 
     prompt = normalised_text(text)
     check_options(strength, steps, attempts)
-    _check_results(out, garment)
+    check_results(out, EDITED_FILES, [garment])
     if guidance == "small":  # so small that threads would mostly wait for each other,
         torch.set_num_threads(1)  # and a result would depend on how many there are
     editor = TextEditor.load(space, image_decoder)
     given = read_garment(editor.space, garment, order)
-    options = _given(scale=scale, negative=negative, prompt_template=prompt_template)
+    options = {"scale": scale, "negative": negative, "prompt_template": prompt_template}
     if negative:
         normalised_text(negative)
     if prompt_template is not None:
         normalised_text(prompt_template.replace("{}", prompt))
-    guide = _guidance(guidance, model, prompt, seed, options)
+    given_options = {name: value for name, value in options.items() if value is not None}
+    guide = _guidance(guidance, model, prompt, seed, given_options)
     with Progress("step", steps) as progress:
 
         def advance(done: int, _: int) -> None:
@@ -220,23 +204,6 @@ def edit(
         )
     after = _write_edit(out, found, prompt)
     _report(out, found, after, text, seed, as_json=json)
-
-
-def _check_results(out: Path, garment: Path) -> None:
-    """Refuse to write over the garment that is edited.
-
-    Raises:
-        OutputError: names it.
-    """
-    check_folder(out)
-    for name in EDITED_FILES:
-        if (out / name).exists():
-            check_output(out / name, (Path(name).suffix,), [garment])
-
-
-def _given(**options: Any) -> dict[str, Any]:
-    """The options that have a value."""
-    return {name: value for name, value in options.items() if value is not None}
 
 
 def _guidance(
@@ -280,11 +247,7 @@ def _write_edit(out: Path, found: "TextEdit", text: str) -> "StripFrame":
     results[out / "strip.png"] = png_bytes(strip(columns))
     if before.worn is not None:
         results[out / "before.glb"] = drape_bytes(before.worn, ".glb")
-    make_folder(out)
-    write_together(results)
-    for name in EDITED_FILES:
-        if out / name not in results:
-            (out / name).unlink(missing_ok=True)
+    write_results(out, results, EDITED_FILES)
     return after
 
 

@@ -3,8 +3,7 @@
 import json
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -37,18 +36,6 @@ class UsageError(Exception):
     """Words that are not a call of the command, in one sentence."""
 
 
-@contextmanager
-def errors_about(path: Path) -> Iterator[None]:
-    """Errors inside begin with the name of this file."""
-    name = shown_path(path)
-    try:
-        yield
-    except GarmentImageError as error:
-        if not str(error).startswith(name):
-            error.args = (f"{name}: {error}",)
-        raise
-
-
 # --- Results -------------------------------------------------------------------------------------
 
 
@@ -68,17 +55,6 @@ def print_written(out: Path, facts: Mapping[str, Any], *, as_json: bool, **more:
 def print_json(data: Any) -> None:
     """A result as one JSON document."""
     print(json.dumps(data, indent=1))
-
-
-def print_table(rows: Iterable[Sequence[str]], *, indent: str = "", right: bool = False) -> None:
-    """Rows as columns as wide as their longest cell; all but the first `right` aligned, or left."""
-    rows = [list(row) for row in rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for first, *cells in rows:
-        line = [f"{first:{widths[0]}}"]
-        for cell, width in zip(cells, widths[1:], strict=True):
-            line.append(f"{cell:>{width}}" if right else f"{cell:{width}}")
-        print(indent + "  ".join(line).rstrip())
 
 
 def garment_facts(garment: "StripFrame") -> dict[str, Any]:

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from cyclopts import Group, Parameter
 
@@ -14,9 +14,6 @@ from garmentimage.cli.terminal import Progress, list_facts, print_json
 from garmentimage.cli.usage import group_of_verbs
 from garmentimage.learn import TrainingSettings
 from garmentimage.system import shown_path
-
-if TYPE_CHECKING:
-    from garmentimage.learn import TrainingResult
 
 Baseline = Literal["panel-transformer", "panel-recurrent", "panel-pool"]
 Ablation = Literal[
@@ -27,6 +24,7 @@ BASELINES: tuple[Baseline, ...] = get_args(Baseline)
 ABLATIONS: tuple[Ablation, ...] = get_args(Ablation)
 MAX_BETA = 1000.0
 LIBRARIES = ("torch", "lightning_fabric", "safetensors", "pyarrow")
+DATA_FACTS = ("recipe", "version", "count", "seed", "grid")
 SETTINGS = TrainingSettings()
 """The defaults."""
 
@@ -45,7 +43,7 @@ Without = Annotated[
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Run:
+class RunOptions:
     """Where a network learns from, and where it is kept."""
 
     data: Annotated[Path, Parameter(metavar="FOLDER")]
@@ -63,14 +61,16 @@ train = group_of_verbs(
 
 
 @train.command
-def vae(*, run: Run, beta: Beta = None, settings: Settings = SETTINGS, json: Json = False) -> None:
+def vae(
+    *, run: RunOptions, beta: Beta = None, settings: Settings = SETTINGS, json: Json = False
+) -> None:
     """Train the VAE of GarmentImages."""
     _train("vae", run, settings, as_json=json, beta=beta)
 
 
 @train.command
 def vector_vae(
-    *, run: Run, beta: Beta = None, settings: Settings = SETTINGS, json: Json = False
+    *, run: RunOptions, beta: Beta = None, settings: Settings = SETTINGS, json: Json = False
 ) -> None:
     """Train the vector-based baseline of the VAE."""
     _train("vector-vae", run, settings, as_json=json, beta=beta)
@@ -79,7 +79,7 @@ def vector_vae(
 @train.command
 def cascade(
     *,
-    run: Run,
+    run: RunOptions,
     without: Without = (),
     ablate: Annotated[tuple[Ablation | Literal["all"], ...], Parameter(show_default=False)] = (),
     settings: Settings = SETTINGS,
@@ -97,7 +97,7 @@ def cascade(
 def _baseline(name: Baseline, summary: str) -> Callable[..., None]:
     def baseline(
         *,
-        run: Run,
+        run: RunOptions,
         without: Without = (),
         resnet: Annotated[Path | None, Parameter(metavar="FOLDER")] = None,
         settings: Settings = SETTINGS,
@@ -125,7 +125,7 @@ for _name, _summary in {
 @train.command
 def image_decoder(
     *,
-    run: Run,
+    run: RunOptions,
     vae: Annotated[Path | None, Parameter(metavar="FOLDER")] = None,
     settings: Settings = SETTINGS,
     json: Json = False,
@@ -139,20 +139,22 @@ def image_decoder(
 
 
 @train.command
-def denoiser(*, run: Run, settings: Settings = SETTINGS, json: Json = False) -> None:
+def denoiser(*, run: RunOptions, settings: Settings = SETTINGS, json: Json = False) -> None:
     """Train the denoiser that guides edits by text."""
     _train("denoiser", run, settings, as_json=json)
 
 
 def _train(
-    network: str, run: Run, settings: TrainingSettings, *, as_json: bool, **options: Any
+    network: str, run: RunOptions, settings: TrainingSettings, *, as_json: bool, **options: Any
 ) -> None:
     """Train a network, or resume its training, and keep it with its card."""
     need_libraries("training", LIBRARIES, "learn")
     import torch
 
+    from garmentimage.dataset import dataset_hash, read_summary
     from garmentimage.learn import (
         MODEL_FOLDER,
+        RUN_FILE,
         TaskOptions,
         model_card,
         task_for,
@@ -161,7 +163,14 @@ def _train(
 
     task = task_for(network, TaskOptions(data=run.data, **options))
     torch.manual_seed(settings.seed)
-    facts = {"network": network, "config": asdict(task.config), **task.facts}
+    summary, data_sha256 = read_summary(run.data), dataset_hash(run.data)
+    facts = {
+        "network": network,
+        "config": asdict(task.config),
+        **task.facts,
+        "data": {name: summary.get(name) for name in DATA_FACTS},
+        "data_sha256": data_sha256,
+    }
     with Progress("epoch", settings.epochs) as progress:
 
         def report(line: dict[str, float]) -> None:
@@ -176,13 +185,24 @@ def _train(
             task.held_out,
             folder=run.out,
             settings=settings,
-            facts={**facts, **_data_facts(run.data)},
+            facts=facts,
             progress=report,
         )
-    card = _card_facts(run, settings, trained, len(task.train_set))
-    card["command"] = _command(network, run, settings, options)
-    of_data = {"recipe": card["recipe"], "seed": card["seed of the data"]}
-    title = f"{task.title}, {card['recipe']}"
+    written = json_module.loads((run.out / RUN_FILE).read_text(encoding="utf-8"))
+    card = {
+        "recipe": summary["recipe"],
+        "garments trained on": len(task.train_set),
+        "seed of the data": summary["seed"],
+        "data": f"SHA-256 {data_sha256}",
+        "epochs": settings.epochs,
+        "seed": settings.seed,
+        "minutes": round(sum(line["seconds"] for line in trained.log) / 60, 1),
+        "command": _command(network, run, settings, options),
+        "commit": written["commit"],
+        "versions": ", ".join(written["versions"]),
+    }
+    of_data = {"recipe": summary["recipe"], "seed": summary["seed"]}
+    title = f"{task.title}, {summary['recipe']}"
     text = model_card(title, task.summary, task.usage, card, trained.log[-1])
     task.save(trained.model, of_data, text, run.out / MODEL_FOLDER)
     if as_json:
@@ -193,39 +213,9 @@ def _train(
     print(f"{shown_path(run.out / MODEL_FOLDER)}: the network; curves.png: its losses")
 
 
-def _data_facts(folder: Path) -> dict[str, Any]:
-    from garmentimage.dataset import dataset_hash, read_summary
-
-    summary = read_summary(folder)
-    names = ("recipe", "version", "count", "seed", "grid")
-    return {
-        "data": {name: summary.get(name) for name in names}, "data_sha256": dataset_hash(folder)
-    }  # fmt: skip
-
-
-def _card_facts(
-    run: Run, settings: TrainingSettings, trained: "TrainingResult", count: int
-) -> dict[str, Any]:
-    from garmentimage.dataset import dataset_hash, read_summary
-    from garmentimage.learn import RUN_FILE
-
-    summary = read_summary(run.data)
-    written = json_module.loads((run.out / RUN_FILE).read_text(encoding="utf-8"))
-    return {
-        "recipe": summary["recipe"],
-        "garments trained on": count,
-        "seed of the data": summary["seed"],
-        "data": f"SHA-256 {dataset_hash(run.data)}",
-        "epochs": settings.epochs,
-        "seed": settings.seed,
-        "minutes": round(sum(line["seconds"] for line in trained.log) / 60, 1),
-        "command": "",
-        "commit": written["commit"],
-        "versions": ", ".join(written["versions"]),
-    }
-
-
-def _command(network: str, run: Run, settings: TrainingSettings, options: dict[str, Any]) -> str:
+def _command(
+    network: str, run: RunOptions, settings: TrainingSettings, options: dict[str, Any]
+) -> str:
     """The command that trains the same network again: all that differs from the defaults."""
     words = ["garmentimage", "train", network, "--data", str(run.data)]
     for each in fields(settings):

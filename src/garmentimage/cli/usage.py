@@ -32,7 +32,7 @@ LABEL_WIDTH = 26
 """Labels of options that are longer have a line of their own."""
 MAX_CHOICES = 12
 """Of these a usage error lists all."""
-NOUNS = {"train": "network", "evaluate": "subject", "draft": "kind"}
+VERB_NOUNS = {"train": "network", "evaluate": "subject", "draft": "kind"}
 """What stands after these verbs; after `garmentimage` it is a command."""
 
 
@@ -52,12 +52,7 @@ def group_of_verbs(name: str, summary: str, title: str) -> App:
 
 
 def parse(app: App, words: Sequence[str]) -> tuple[Callable[..., Any], inspect.BoundArguments]:
-    """The function that the words call, and its arguments.
-
-    Raises:
-        UsageError: in one sentence, with the nearest name where one is unknown.
-        GarmentImageError: settings that contradict each other.
-    """
+    """The function that the words call, and its arguments."""
     try:
         verb, bound, _ = app.parse_args(words, print_error=False, exit_on_error=False)
     except CycloptsError as error:
@@ -87,7 +82,7 @@ def _ended(chain: Sequence[str], reason: str) -> str:
 
 
 def _noun(chain: Sequence[str]) -> str:
-    return NOUNS.get(chain[-1], "command") if chain else "command"
+    return VERB_NOUNS.get(chain[-1], "command") if chain else "command"
 
 
 def _reason(error: CycloptsError) -> str:

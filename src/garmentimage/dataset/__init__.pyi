@@ -10,12 +10,13 @@ from .overview import (
     row_sheet as row_sheet,
 )
 from .read import (
+    garment_types as garment_types,
     has_split as has_split,
     parse_patterns as parse_patterns,
     raster_arrays as raster_arrays,
+    read_rows as read_rows,
     read_tables as read_tables,
     shard_files as shard_files,
-    shard_metadata as shard_metadata,
 )
 from .recipe import (
     load_recipe as load_recipe,
@@ -25,7 +26,9 @@ from .row import (
     draft_garment as draft_garment,
     task_from_id as task_from_id,
 )
-from .stream import RowStream as RowStream
+from .stream import (
+    RowStream as RowStream,
+)
 from .vocabulary import (
     all_phrases as all_phrases,
     aspect_of as aspect_of,

@@ -198,15 +198,11 @@ def build_dataset(
             f"{shown_path(what.folder)}: no row could be made; {number} failed because of {cause}; "
             "build it with other settings in another folder"
         )
-    _write_if_missing(what.folder / SUMMARY_FILE, _json_text(summary), missing)
-    _write_if_missing(what.folder / CARD_FILE, dataset_card(what.recipe, summary, command), missing)
+    card = dataset_card(what.recipe, summary, command)
+    for name, text in ((SUMMARY_FILE, _json_text(summary)), (CARD_FILE, card)):
+        if missing or not (what.folder / name).exists():
+            write_atomically(what.folder / name, text)
     return summary
-
-
-def _write_if_missing(file: Path, text: str, missing: list[Shard]) -> None:
-    """Write a file about the whole dataset, unless it exists and no shard was missing."""
-    if missing or not file.exists():
-        write_atomically(file, text)
 
 
 def _prepare_folder(what: BuildSettings) -> Path:
@@ -259,11 +255,7 @@ def _check_names(data: Path, planned: set[str]) -> None:
 
 
 def _verified(path: Path, shard: Shard) -> FinishedShard:
-    """An existing shard, read completely.
-
-    Raises:
-        DatasetError: it is damaged, or has other rows or columns than planned.
-    """
+    """An existing shard, read completely."""
     if path.is_symlink() or not path.is_file():
         raise DatasetError(f"{shown_path(path)}: not a regular file; {REMEDY}")
     try:
@@ -292,16 +284,14 @@ def _summary(what: BuildSettings, done: list[FinishedShard]) -> dict[str, Any]:
     rows = Counter({split: 0 for split in SPLITS})
     for each in done:
         rows[each.name.split("-")[0]] += each.rows
-    failed = [row for each in done for row in each.failed]
+    failed = Counter(f"{r.stage}: {_cause(r.reason)}" for each in done for r in each.failed)
     planned = sum(len(shard.places) for shard in plan_shards(what))
     return {
         **what.identity(),
         "rows": sum(rows.values()),
         "share": round(sum(rows.values()) / planned, 4),
         "splits": {split: n for split, n in rows.items() if n},
-        "failed": dict(
-            Counter(f"{row.stage}: {_cause(row.reason)}" for row in failed).most_common()
-        ),
+        "failed": dict(failed.most_common()),
         "shards": {each.name: {"rows": each.rows, "sha256": each.sha256} for each in done},
     }
 

@@ -35,9 +35,13 @@ def dataset_card(recipe: Recipe, summary: dict[str, Any], command: str) -> str:
     if recipe.views:
         columns |= {"panels": PANELS, "report": "how the drape went, as JSON"}
     commit = source_commit()
-    types = [f"| {t.name} | {t.kind} | {'' if t.seen else 'unseen'} |" for t in recipe.types]
-    failed = [f"| {cause} | {n} |" for cause, n in summary["failed"].items()]
-    head = ["| drawn, but no row because of | rows |", "|---|---|"]
+    rows = "\n".join(f"| {name} | {words} |" for name, words in columns.items())
+    types = "\n".join(
+        f"| {t.name} | {t.kind} | {'' if t.seen else 'unseen'} |" for t in recipe.types
+    )
+    failed = "".join(f"| {cause} | {n} |\n" for cause, n in summary["failed"].items())
+    if failed:
+        failed = f"| drawn, but no row because of | rows |\n|---|---|\n{failed}"
     return f"""---
 pretty_name: {recipe.name} garments
 tags: [sewing patterns, garments]
@@ -55,7 +59,7 @@ configs:
 
 | column | what it holds |
 |---|---|
-{_table(columns)}
+{rows}
 
 ```python
 import datasets
@@ -64,19 +68,11 @@ rows = datasets.load_dataset("FOLDER")["train"].with_format("numpy")
 
 | type | kind | |
 |---|---|---|
-{_lines(types)}
+{types}
 
-{_lines([*head, *failed, ""] if failed else [])}
+{failed}
 Made by `{command or "garmentimage.dataset.build_dataset"}`, recipe version {recipe.version}, seed \
 {summary["seed"]}, N = {summary["grid"]}, with \
 {", ".join([*versions("pyarrow"), *([f"commit {commit}"] if commit else [])])}.
 The same command makes the same rows again; `summary.json` has the sha256 of every shard.
 """
-
-
-def _table(columns: dict[str, str]) -> str:
-    return _lines([f"| {name} | {words} |" for name, words in columns.items()])
-
-
-def _lines(lines: list[str]) -> str:
-    return "\n".join(lines)

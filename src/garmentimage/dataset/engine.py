@@ -74,11 +74,7 @@ def run_tasks(
 
 
 def check_scheduler(address: str) -> None:
-    """Refuse the address of a scheduler that does not answer.
-
-    Raises:
-        DatasetError: it does not answer.
-    """
+    """Refuse the address of a scheduler that does not answer."""
     from distributed.comm.core import connect
 
     async def knock() -> None:

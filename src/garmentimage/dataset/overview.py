@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from garmentimage.dataset.building import SUMMARY_FILE
-from garmentimage.dataset.read import row_count, rows_at, shard_files
+from garmentimage.dataset.read import read_header, rows_at, shard_files
 from garmentimage.errors import DatasetError
 from garmentimage.pattern.files import pattern_from_spec
 from garmentimage.raster import GarmentImage
@@ -45,7 +45,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
         raise DatasetError(
             f"{shown_path(file)}: is damaged; remove it and build the dataset again"
         ) from None
-    if sum(row_count(shard) for shard in shard_files(folder)) != summary["rows"]:
+    if sum(read_header(shard).rows for shard in shard_files(folder)) != summary["rows"]:
         raise DatasetError(
             f"{shown_path(folder)}: its shards do not have the {summary['rows']} rows of its "
             "summary; build it again"
@@ -90,7 +90,7 @@ def row_sheet(folder: Path, count: int) -> UInt8[np.ndarray, "row col 3"]:
     Raises:
         DatasetError: there are no rows, or a shard is damaged.
     """
-    total = sum(row_count(file) for file in shard_files(folder))
+    total = sum(read_header(file).rows for file in shard_files(folder))
     if not total:
         raise DatasetError(f"{shown_path(folder)}: has no rows")
     rows = rows_at(folder, np.linspace(0, total - 1, count).astype(int).tolist())

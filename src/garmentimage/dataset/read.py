@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -67,15 +67,21 @@ def read_tables(
         yield _read(file, lambda shard: shard.read(columns), columns)
 
 
-def rows_at(folder: str | Path, numbers: Sequence[int]) -> list[dict[str, Any]]:
-    """Rows by their number over all shards; only the shards that hold them are read.
+def read_rows(folder: str | Path, split: str | None, *columns: str) -> Iterator[tuple[Any, ...]]:
+    """Values of some columns, row by row.
 
     Raises:
-        DatasetError: there are no such rows, or a shard is damaged.
+        DatasetError: there are none, a column does not exist, or a shard is damaged.
     """
+    for table in read_tables(folder, split, columns):
+        yield from zip(*(table[name].to_pylist() for name in columns), strict=True)
+
+
+def rows_at(folder: str | Path, numbers: Sequence[int]) -> list[dict[str, Any]]:
+    """Rows by their number over all shards; only the shards that hold them are read."""
     wanted, rows, first = sorted(set(numbers)), [], 0
     for file in shard_files(folder):
-        last = first + row_count(file)
+        last = first + read_header(file).rows
         here = [number - first for number in wanted if first <= number < last]
         if here:
             rows += _read(file, lambda shard: shard.read()).take(pa.array(here)).to_pylist()
@@ -85,48 +91,40 @@ def rows_at(folder: str | Path, numbers: Sequence[int]) -> list[dict[str, Any]]:
     return rows
 
 
-def row_count(file: Path) -> int:
-    """Rows of a shard.
+class ShardHeader(NamedTuple):
+    """What a shard holds, without its rows."""
+
+    metadata: ShardMetadata
+    columns: tuple[str, ...]
+    rows: int
+    row_groups: int
+    """They are read one at a time."""
+
+
+def read_header(file: Path) -> ShardHeader:
+    """The header of a shard."""
+    return _read(
+        file,
+        lambda shard: ShardHeader(
+            parse_metadata(shard.schema_arrow),
+            tuple(shard.schema_arrow.names),
+            shard.metadata.num_rows,
+            shard.num_row_groups,
+        ),
+    )
+
+
+def garment_types(folder: str | Path) -> tuple[str, ...]:
+    """All types of garments in the recipe of a dataset.
 
     Raises:
-        DatasetError: it is damaged.
+        DatasetError: there is no dataset, or a shard is damaged.
     """
-    return _read(file, lambda shard: int(shard.metadata.num_rows))
-
-
-def shard_metadata(file: Path) -> ShardMetadata:
-    """The metadata of a shard.
-
-    Raises:
-        DatasetError: it is damaged, or not a shard of garmentimage.
-    """
-    return _read(file, lambda shard: parse_metadata(shard.schema_arrow))
-
-
-def column_names(file: Path) -> list[str]:
-    """Columns of a shard.
-
-    Raises:
-        DatasetError: it is damaged.
-    """
-    return _read(file, lambda shard: list(shard.schema_arrow.names))
-
-
-def row_groups(file: Path) -> int:
-    """Number of row groups of a shard, which are read one at a time.
-
-    Raises:
-        DatasetError: it is damaged.
-    """
-    return _read(file, lambda shard: int(shard.num_row_groups))
+    return read_header(shard_files(folder)[0]).metadata.types
 
 
 def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
-    """One group of rows.
-
-    Raises:
-        DatasetError: the shard is damaged.
-    """
+    """One group of rows."""
     return _read(file, lambda shard: shard.read_row_group(number, list(columns)))
 
 

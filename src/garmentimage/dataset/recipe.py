@@ -124,11 +124,7 @@ def load_recipe(name: str) -> Recipe:
 
 
 def parse_recipe(text: str) -> Recipe:
-    """A recipe from its TOML.
-
-    Raises:
-        DatasetError: a key is missing, unknown or has an invalid value.
-    """
+    """A recipe from its TOML."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

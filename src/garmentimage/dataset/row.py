@@ -118,14 +118,8 @@ def draft_garment(task: RowTask) -> Sample:
     Raises:
         DraftError: it cannot be drafted.
     """
-    drawn = sample(
-        task.type.kind,
-        1,
-        task.garment_seed,
-        body=_body(task),
-        fixed=task.type.fixed,
-        first=task.index,
-    )
+    kind, fixed = task.type.kind, task.type.fixed
+    drawn = sample(kind, 1, task.garment_seed, body=_body(task), fixed=fixed, first=task.index)
     return next(drawn)
 
 
@@ -171,7 +165,8 @@ def _metadata(task: RowTask, garment: Sample, body: str, fabric: str) -> dict[st
 def _pictures(task: RowTask, worn: DrapedGarment) -> dict[str, Any]:
     recipe, pictures, panels = task.recipe, {}, b""
     random = task.random(_LOOK)
-    look = Look.random(random) if recipe.look == "random" else _plain(recipe)
+    plain = Look(colours={**Look().colours, **recipe.colours})
+    look = Look.random(random) if recipe.look == "random" else plain
     for view in recipe.views:
         views = photograph(worn, look, view=view, size=recipe.picture)
         pictures[view] = png_bytes(views.colour)
@@ -180,10 +175,6 @@ def _pictures(task: RowTask, worn: DrapedGarment) -> dict[str, Any]:
         key: value for key, value in asdict(worn.report).items() if key not in NONDETERMINISTIC
     }
     return {"pictures": pictures, "panels": panels, "report": _json_text(report)}
-
-
-def _plain(recipe: Recipe) -> Look:
-    return Look(colours={**Look().colours, **recipe.colours})
 
 
 def _json_text(data: Mapping[str, Any]) -> str:

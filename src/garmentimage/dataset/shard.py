@@ -99,11 +99,7 @@ def shard_bytes(
 
 
 def parse_metadata(schema: pa.Schema) -> ShardMetadata:
-    """The metadata in a shard's schema.
-
-    Raises:
-        DatasetError: it is not a shard of this version of garmentimage.
-    """
+    """The metadata in a shard's schema."""
     try:
         data = json.loads((schema.metadata or {})[METADATA_KEY])
         version = data["schema"]

@@ -10,14 +10,7 @@ import pyarrow as pa
 import torch
 from torch.utils.data import IterableDataset, get_worker_info
 
-from garmentimage.dataset.read import (
-    column_names,
-    raster_arrays,
-    row_group,
-    row_groups,
-    shard_files,
-    shard_metadata,
-)
+from garmentimage.dataset.read import raster_arrays, read_header, row_group, shard_files
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.system import did_you_mean, shown_path
 
@@ -52,19 +45,17 @@ class RowStream(IterableDataset[dict[str, Any]]):
         seed: int | None = None,
     ) -> None:
         super().__init__()
-        files = shard_files(folder, split)
-        there = column_names(files[0])
-        self.columns = tuple(columns) or tuple(there)
+        headers = {file: read_header(file) for file in shard_files(folder, split)}
+        first = next(iter(headers.values()))
+        self.columns = tuple(columns) or first.columns
         for name in self.columns:
-            if name not in there:
+            if name not in first.columns:
                 raise DatasetError(f"{shown_path(folder)}: has no column {quoted(name)}")
-        self.without, self.only = (
-            _types(shard_metadata(files[0]).types, names) for names in (without, only)
-        )
+        self.without, self.only = (_types(first.metadata.types, names) for names in (without, only))
         if seed is not None and (not isinstance(seed, int) or seed < 0):
             raise DatasetError(f"seed is {seed!r}; give a whole number from 0")
         self.seed, self.epoch = seed, 0
-        self.groups = [(file, k) for file in files for k in range(row_groups(file))]
+        self.groups = [(file, k) for file, each in headers.items() for k in range(each.row_groups)]
 
     def set_epoch(self, epoch: int) -> None:
         """Shuffle differently in each epoch."""

@@ -2,6 +2,7 @@ from .kinds import (
     KINDS as KINDS,
     Kind as Kind,
     draft_pattern as draft_pattern,
+    find_kind as find_kind,
     kinds as kinds,
 )
 from .parameters import (

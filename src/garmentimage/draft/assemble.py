@@ -75,7 +75,13 @@ class Assembly:
 
     def pattern(self, name: str) -> Pattern:
         """The finished pattern."""
-        cut = {draft.name: self._cut_outline(draft) for draft in self._panels.values()}
+        cut = {
+            name: [
+                _split(named.curve, self._cuts.get((name, k), []))
+                for k, named in enumerate(draft.outline)
+            ]
+            for name, draft in self._panels.items()
+        }
         firsts = {name: [0, *accumulate(map(len, edges))] for name, edges in cut.items()}
 
         def side(ref: EdgeRef, piece: int) -> Side:
@@ -84,13 +90,6 @@ class Assembly:
         panels = tuple(_panel(draft, cut[draft.name]) for draft in self._panels.values())
         stitches = tuple(Stitch(side(*a), side(*b)) for a, b in self._stitches)
         return Pattern(panels, stitches, name=name)
-
-    def _cut_outline(self, draft: PanelDraft) -> list[list[Curve]]:
-        """The pieces of every drawn edge."""
-        return [
-            _split(named.curve, self._cuts.get((draft.name, k), []))
-            for k, named in enumerate(draft.outline)
-        ]
 
     def _ends(self, seam: Seam) -> list[float]:
         """Where the edges of a seam end, as shares of its length; starts with 0."""

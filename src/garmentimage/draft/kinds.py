@@ -1,22 +1,20 @@
-"""The kinds of garments: which parts are put together, and what can be chosen about them."""
+"""The kinds of garments: what can be chosen about each, and from which measurements.
 
-from collections.abc import Callable, Mapping
+What draws them is loaded only when a garment is drafted, so that lists of parameters are quick.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from garmentimage.body import BodyMeasurements, measurements
-from garmentimage.draft import rules
-from garmentimage.draft.assemble import Assembly
-from garmentimage.draft.panel import BACK, FACINGS, FRONT, SIDES, PanelDraft, Seam
-from garmentimage.draft.parameters import Parameter, Value, checked_values, parameters_of
-from garmentimage.draft.parts import (
-    BelowWaist,
-    BodiceBlock,
+from garmentimage.draft.designs import (
     BodiceDesign,
     CuffDesign,
     CutoutDesign,
     DartDesign,
+    Design,
     HemDesign,
     HoodDesign,
     NeckDesign,
@@ -24,82 +22,50 @@ from garmentimage.draft.parts import (
     SleeveDesign,
     TrousersDesign,
     WaistbandDesign,
-    add_hood,
-    add_skirt,
-    add_sleeves,
-    add_trousers,
-    add_waistband,
-    below_waist,
-    legs_below_waist,
-    to_waist,
-    trunk,
 )
+from garmentimage.draft.parameters import Parameter, Value, checked_values, parameters_of
 from garmentimage.errors import DraftError, check_type, quoted
-from garmentimage.pattern import Pattern
 from garmentimage.system import did_you_mean
 
+if TYPE_CHECKING:
+    from garmentimage.pattern import Pattern
+
 DEFAULT_BODY = "mean-female"
-DART_LABELS = ("waist_dart_1", "waist_dart_2", "side_dart")
-"""Edges of a panel that are legs of one dart."""
-
-
-@dataclass(frozen=True)
-class Design:
-    """Everything that can be chosen about a garment, part by part."""
-
-    bodice: BodiceDesign
-    neck: NeckDesign
-    hem: HemDesign
-    darts: DartDesign
-    cutout: CutoutDesign
-    sleeve: SleeveDesign
-    cuff: CuffDesign
-    hood: HoodDesign
-    skirt: SkirtDesign
-    trousers: TrousersDesign
-    waistband: WaistbandDesign
-
-
 PARTS: Mapping[str, Any] = MappingProxyType({f.name: f.type for f in fields(Design)})
 """The design class of each part."""
-
-FIELDS: Mapping[type, tuple[str, ...]] = MappingProxyType(
-    {design: tuple(f.name for f in fields(design)) for design in PARTS.values()}
-)
-"""The names of a design's fields."""
-
-Make = Callable[[Assembly, BodyMeasurements, Design], None]
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of garment: how its parts are put together, and what can be chosen about them."""
+    """A kind of garment: what can be chosen about it."""
 
     name: str
     doc: str
     parameters: Mapping[str, Parameter]
-    make: Make
-    """Draws and sews the parts."""
     settled: Mapping[str, Value]
     """Fields of the parts that this kind does not offer, where they differ from the default."""
 
-    def draft(self, body: BodyMeasurements, given: Mapping[str, Any]) -> Pattern:
+    def draft(self, body: BodyMeasurements, given: Mapping[str, Any]) -> "Pattern":
         """The garment for a body; `given` are parameters by name.
 
         Raises:
             DraftError: a parameter is unknown or out of range, or the garment cannot be worn.
         """
+        from garmentimage.draft.garments import draw_garment
+
         values = {**self.settled, **checked_values(self.parameters, given, f"kind {self.name}")}
-        design = Design(**{part: _part(design, values) for part, design in PARTS.items()})
-        garment = Assembly()
-        self.make(garment, body, design)
-        rules.check_outlines(garment.panels)
-        return garment.pattern(self.name)
+        design = Design(
+            **{
+                part: design(**{f.name: values[f.name] for f in fields(design) if f.name in values})
+                for part, design in PARTS.items()
+            }
+        )
+        return draw_garment(self.name, body, design)
 
 
 def draft_pattern(
     kind: str, body: str | BodyMeasurements = DEFAULT_BODY, **parameters: Value
-) -> Pattern:
+) -> "Pattern":
     """Draft a garment.
 
     Args:
@@ -114,14 +80,13 @@ def draft_pattern(
         DraftError: an unknown name, a value out of range, a body that cannot be, or a garment that
             cannot be worn.
     """
-    if kind not in KINDS:
-        raise DraftError(f"there is no kind {quoted(kind)}; {did_you_mean(kind, KINDS)}")
+    found = find_kind(kind)
     if isinstance(body, str):
         body = measurements(body)
     else:
         check_type(body, BodyMeasurements, "load_measurements(path) reads one, a name picks one")
         body.check()
-    return KINDS[kind].draft(body, parameters)
+    return found.draft(body, parameters)
 
 
 def kinds() -> Mapping[str, Kind]:
@@ -129,141 +94,20 @@ def kinds() -> Mapping[str, Kind]:
     return KINDS
 
 
-def _part(design: type, values: Mapping[str, Value]) -> Any:
-    return design(**{name: values[name] for name in FIELDS[design] if name in values})
+def find_kind(name: str) -> Kind:
+    """The kind of a name.
 
-
-def _sew_trunk(
-    garment: Assembly,
-    block: BodiceBlock,
-    design: Design,
-    below: BelowWaist,
-    *,
-    front: str = "closed",
-) -> dict[str, tuple[PanelDraft, ...]]:
-    """Front and back with their sleeves; `front` is closed, open or under a hood."""
-    inner, outer = block.shoulder_ends
-    rules.check_strap(outer - inner)
-    is_split = design.bodice.panels_a_side == 2
-    panels = {
-        facing: trunk(
-            block,
-            below,
-            facing,
-            split=is_split or (front == "open" and facing == FRONT),
-            darts=design.darts if block.intake or design.darts.has_side_dart else None,
-            cutout=design.cutout,
-        )
-        for facing in FACINGS
-    }
-    garment.add(*panels[FRONT], *panels[BACK])
-    for side in SIDES:
-        for label in ("side_seam", "shoulder"):
-            garment.sew(*(seam_of(panels[facing], label, side) for facing in FACINGS))
-    if is_split:
-        garment.sew(*(seam_of(panels[BACK], "cb", side) for side in SIDES))
-        if front != "open":
-            garment.sew(*(seam_of(panels[FRONT], "cf", side) for side in SIDES))
-    for panel in (*panels[FRONT], *panels[BACK]):
-        _sew_darts(garment, panel)
-    if front != "open":
-        opening = sum(garment.length(seam_of(panels[facing], "neck")) for facing in FACINGS)
-        rules.check_neck(opening, block.body.head_girth)
-    armholes = {
-        (facing, side): seam_of(panels[facing], "armhole", side)
-        for facing in FACINGS
-        for side in SIDES
-    }
-    add_sleeves(garment, block, armholes, design.sleeve, design.cuff)
-    return panels
-
-
-def _sew_darts(garment: Assembly, panel: PanelDraft) -> None:
-    for side in SIDES:
-        for label in DART_LABELS:
-            legs = panel.seam(label, side)
-            if legs:
-                garment.sew(legs[:1], legs[1:])
-
-
-def seam_of(panels: tuple[PanelDraft, ...], label: str, side: str | None = None) -> Seam:
-    """The edges with this label on all of the panels."""
-    return tuple(ref for panel in panels for ref in panel.seam(label, side))
-
-
-def make_top(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A bodice that ends at a hem."""
-    block = BodiceBlock(body, design.bodice, design.neck)
-    _sew_trunk(garment, block, design, below_waist(block, design.hem, design.bodice.body_length))
-
-
-def make_shirt(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A bodice with darts."""
-    block = BodiceBlock(body, design.bodice, design.neck, design.darts.intake)
-    _sew_trunk(garment, block, design, below_waist(block, design.hem, design.bodice.body_length))
-
-
-def make_jacket(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A bodice that is open in front."""
-    block = BodiceBlock(body, design.bodice, design.neck)
-    below = below_waist(block, design.hem, design.bodice.body_length)
-    _sew_trunk(garment, block, design, below, front="open")
-
-
-def make_hoodie(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A top with a hood."""
-    block = BodiceBlock(body, design.bodice, design.neck)
-    below = below_waist(block, design.hem, design.bodice.body_length)
-    panels = _sew_trunk(garment, block, design, below)
-    necks = {(f, side): seam_of(panels[f], "neck", side) for f in FACINGS for side in SIDES}
-    add_hood(garment, block, necks, design.hood)
-
-
-def make_jumpsuit(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A bodice that continues into both legs."""
-    block = BodiceBlock(body, design.bodice, design.neck)
-    panels = _sew_trunk(garment, block, design, legs_below_waist(block, design.trousers))
-    for side in SIDES:
-        garment.sew(*(seam_of(panels[facing], "inseam", side) for facing in FACINGS))
-
-
-def make_top_skirt(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A bodice sewn to a skirt."""
-    block = BodiceBlock(body, design.bodice, design.neck)
-    panels = _sew_trunk(garment, block, design, to_waist(block))
-    waists = {facing: seam_of(panels[facing], "waist") for facing in FACINGS}
-    lengths = {facing: garment.length(waist) for facing, waist in waists.items()}
-    tops = add_skirt(garment, body, design.skirt, lengths)
-    for facing in FACINGS:
-        garment.sew(tops[facing], waists[facing], fullness=design.skirt.skirt_fullness)
-
-
-def make_top_pants(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A bodice sewn to trousers."""
-    block = BodiceBlock(body, design.bodice, design.neck)
-    panels = _sew_trunk(garment, block, design, to_waist(block))
-    waists = {facing: seam_of(panels[facing], "waist") for facing in FACINGS}
-    tops = add_trousers(garment, body, design.trousers, garment.length(waists[FRONT]))
-    for facing in FACINGS:
-        garment.sew(tops[facing], waists[facing])
-
-
-def make_skirt(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """A skirt, with a waistband or without."""
-    tops = add_skirt(garment, body, design.skirt)
-    add_waistband(garment, body, design.waistband, tops, design.skirt.skirt_fullness)
-
-
-def make_pants(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
-    """Trousers, with a waistband or without."""
-    tops = add_trousers(garment, body, design.trousers)
-    add_waistband(garment, body, design.waistband, tops)
+    Raises:
+        DraftError: there is none.
+    """
+    if name not in KINDS:
+        raise DraftError(f"there is no kind {quoted(name)}; {did_you_mean(name, KINDS)}")
+    return KINDS[name]
 
 
 def _kind(
     name: str,
     doc: str,
-    make: Make,
     parts: tuple[type, ...],
     *,
     settled: Mapping[str, Value] = MappingProxyType({}),
@@ -273,19 +117,17 @@ def _kind(
 
     `changes` give a parameter another default (one value) or another default, low and high.
     """
-    offered: dict[str, Parameter] = {}
-    for part in parts:
-        offered |= parameters_of(part)
+    offered = {
+        parameter_name: parameter
+        for part in parts
+        for parameter_name, parameter in parameters_of(part).items()
+        if parameter_name not in settled
+    }
     for parameter_name, change in changes.items():
-        old = offered[parameter_name]
-        if isinstance(change, tuple):
-            default, low, high = change
-            offered[parameter_name] = replace(old, default=default, low=low, high=high)
-        else:
-            offered[parameter_name] = replace(old, default=change)
-    for parameter_name in settled:
-        offered.pop(parameter_name, None)
-    return Kind(name, doc, MappingProxyType(offered), make, MappingProxyType(dict(settled)))
+        values = change if isinstance(change, tuple) else (change,)
+        changed = dict(zip(("default", "low", "high"), values, strict=False))
+        offered[parameter_name] = replace(offered[parameter_name], **changed)
+    return Kind(name, doc, MappingProxyType(offered), MappingProxyType(dict(settled)))
 
 
 _ONE_PANEL: Mapping[str, Value] = {"panels_a_side": 1}
@@ -299,7 +141,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "one-panel-dress",
                 "a dress whose front and back are one panel each",
-                make_top,
                 (BodiceDesign, NeckDesign, HemDesign, SleeveDesign, CutoutDesign),
                 settled=_ONE_PANEL,
                 body_length=(50.0, 32.0, 80.0),
@@ -308,7 +149,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "one-panel-jumpsuit",
                 "a jumpsuit whose front and back are one panel each, trousers and all",
-                make_jumpsuit,
                 (BodiceDesign, NeckDesign, TrousersDesign, SleeveDesign),
                 settled=_JOINED,
                 sleeves="none",
@@ -316,7 +156,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "top-skirt",
                 "a top sewn to a skirt at the waist",
-                make_top_skirt,
                 (BodiceDesign, NeckDesign, SkirtDesign, SleeveDesign),
                 settled={**_JOINED, "gores": 2},
                 waist_shaping=(0.8, 0.3, 1.0),
@@ -326,7 +165,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "top-pants",
                 "a top sewn to trousers at the waist",
-                make_top_pants,
                 (BodiceDesign, NeckDesign, TrousersDesign, SleeveDesign),
                 settled=_JOINED,
                 waist_shaping=(0.8, 0.3, 1.0),
@@ -335,7 +173,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "shirt",
                 "a shirt of one or two panels a side, with up to two darts in each half",
-                make_shirt,
                 (BodiceDesign, NeckDesign, DartDesign, SleeveDesign, CuffDesign),
                 settled=_PLAIN_HEM,
                 body_length=(10.0, 0.0, 22.0),
@@ -344,19 +181,16 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "skirt",
                 "a skirt of two, four, six or eight gores, flared or gathered",
-                make_skirt,
                 (SkirtDesign, WaistbandDesign),
             ),
             _kind(
                 "pants",
                 "trousers, straight or flared, from shorts to full length",
-                make_pants,
                 (TrousersDesign, WaistbandDesign),
             ),
             _kind(
                 "tee",
                 "a T-shirt",
-                make_top,
                 (BodiceDesign, NeckDesign, HemDesign, SleeveDesign),
                 settled={**_ONE_PANEL, "sleeves": "set-in", "flare": 0.0},
                 bust_ease=(12.0, 6.0, 28.0),
@@ -369,7 +203,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "tank",
                 "a sleeveless top with straps",
-                make_top,
                 (BodiceDesign, NeckDesign, HemDesign, CutoutDesign),
                 settled={**_ONE_PANEL, "sleeves": "none"},
                 shoulder_reach=(0.75, 0.65, 0.9),
@@ -381,7 +214,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "jacket",
                 "a jacket that is open in front",
-                make_jacket,
                 (BodiceDesign, NeckDesign, SleeveDesign, CuffDesign),
                 settled={**_PLAIN_HEM, "sleeves": "set-in"},
                 bust_ease=(14.0, 8.0, 28.0),
@@ -391,7 +223,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _kind(
                 "hoodie",
                 "a top with a hood",
-                make_hoodie,
                 (BodiceDesign, NeckDesign, SleeveDesign, CuffDesign, HoodDesign),
                 settled={**_PLAIN_HEM, **_ONE_PANEL, "sleeves": "set-in", "neckline": "round"},
                 bust_ease=(18.0, 10.0, 30.0),

@@ -8,7 +8,7 @@ Words of this file:
 - A **seam** is a run of edges, over one panel or several, in the order of the loops.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot
@@ -104,9 +104,8 @@ def placed(
         grain: direction of the warp.
     """
     x, y, depth = origin
-    if facing == BACK:
-        return PanelDraft(name, outline, (x, y, -depth), BACK_ROTATION, label, holes, grain)
-    return PanelDraft(name, outline, (x, y, depth), NO_ROTATION, label, holes, grain)
+    z, rotation = (-depth, BACK_ROTATION) if facing == BACK else (depth, NO_ROTATION)
+    return PanelDraft(name, outline, (x, y, z), rotation, label, holes, grain)
 
 
 def layer_depth(body: BodyMeasurements) -> float:
@@ -131,12 +130,12 @@ def lines(label: str, *points: Point) -> Outline:
 
 def mirrored(outline: Outline) -> Outline:
     """The outline seen in a mirror at x = 0, still counter-clockwise."""
-    return tuple(NamedCurve(n.label, _flipped(n.curve), n.side) for n in reversed(outline))
+    return tuple(n._replace(curve=_mapped(n.curve.reversed(), _flip)) for n in reversed(outline))
 
 
 def on_side(outline: Outline, side: str) -> Outline:
     """The outline, all of it on one side of the wearer."""
-    return tuple(NamedCurve(n.label, n.curve, side) for n in outline)
+    return tuple(n._replace(side=side) for n in outline)
 
 
 def whole(plus: Outline, minus: Outline, facing: str) -> Outline:
@@ -161,7 +160,7 @@ def closed(half: Outline, middle: str) -> Outline:
     return (*half, NamedCurve(middle, Line(half[-1].curve.end, half[0].curve.start)))
 
 
-def scaled(curve: Bezier, factor: float) -> Bezier:
+def scaled_curve(curve: Bezier, factor: float) -> Bezier:
     """The curve, larger about the origin."""
     points = [(factor * x, factor * y) for x, y in (curve.start, *curve.controls, curve.end)]
     return Bezier(points[0], tuple(points[1:-1]), points[-1])
@@ -169,7 +168,10 @@ def scaled(curve: Bezier, factor: float) -> Bezier:
 
 def moved(outline: Outline, dx: float, dy: float) -> Outline:
     """The outline, shifted."""
-    return tuple(NamedCurve(n.label, _shifted(n.curve, dx, dy), n.side) for n in outline)
+    return tuple(
+        n._replace(curve=_mapped(n.curve, lambda point: (point[0] + dx, point[1] + dy)))
+        for n in outline
+    )
 
 
 def lerp(a: Point, b: Point, share: float) -> Point:
@@ -187,22 +189,12 @@ def length(curves: Iterable[NamedCurve]) -> float:
     return sum(length_of(n.curve) for n in curves)
 
 
-def _flipped(curve: Curve) -> Curve:
-    """The curve mirrored at x = 0 and run in the opposite direction."""
+def _mapped(curve: Curve, place: Callable[[Point], Point]) -> Curve:
+    """The line or Bezier curve with all its points moved."""
     if isinstance(curve, Line):
-        return Line(_flip(curve.end), _flip(curve.start))
+        return Line(place(curve.start), place(curve.end))
     assert isinstance(curve, Bezier)
-    return Bezier(_flip(curve.end), tuple(map(_flip, reversed(curve.controls))), _flip(curve.start))
-
-
-def _shifted(curve: Curve, dx: float, dy: float) -> Curve:
-    def shift(point: Point) -> Point:
-        return point[0] + dx, point[1] + dy
-
-    if isinstance(curve, Line):
-        return Line(shift(curve.start), shift(curve.end))
-    assert isinstance(curve, Bezier)
-    return Bezier(shift(curve.start), tuple(map(shift, curve.controls)), shift(curve.end))
+    return Bezier(place(curve.start), tuple(map(place, curve.controls)), place(curve.end))
 
 
 def _flip(point: Point) -> Point:

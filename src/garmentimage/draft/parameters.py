@@ -33,11 +33,7 @@ class Parameter:
     """What can be chosen; empty for a number."""
 
     def checked(self, value: Any) -> Value:
-        """The value, if it can be chosen; numbers and options may come as text.
-
-        Raises:
-            DraftError: it is out of range, no number or no option.
-        """
+        """The value, if it can be chosen; numbers and options may come as text."""
         if self.options:
             for option in self.options:
                 if str(value) == str(option):

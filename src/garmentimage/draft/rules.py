@@ -6,7 +6,7 @@ from itertools import islice
 from garmentimage.draft.curves import chain_polygons
 from garmentimage.draft.panel import PanelDraft
 from garmentimage.errors import DraftError
-from garmentimage.geometry import Curve, signed_area
+from garmentimage.geometry import signed_area
 
 HEAD_STRETCH = 1.3
 """How far a neckline stretches to let the head through; ribbed and bias edges do so easily."""
@@ -63,7 +63,12 @@ def check_outlines(panels: Sequence[PanelDraft]) -> None:
     """Refuse a panel that cannot be cut: its loops touch, or it runs clockwise."""
     from garmentimage.geometry import touching_sides
 
-    polygons = iter(chain_polygons([chain for panel in panels for chain in _chains(panel)]))
+    chains = [
+        chain
+        for panel in panels
+        for chain in ([n.curve for n in panel.outline], *(hole.curves for hole in panel.holes))
+    ]
+    polygons = iter(chain_polygons(chains))
     for panel in panels:
         outline, *holes = islice(polygons, 1 + len(panel.holes))
         if signed_area(outline) <= 0 or len(touching_sides([outline, *holes])) > 0:
@@ -71,8 +76,3 @@ def check_outlines(panels: Sequence[PanelDraft]) -> None:
                 f"these parameters do not go together: the outline of {panel.name} crosses "
                 "itself; bring them nearer to their defaults"
             )
-
-
-def _chains(panel: PanelDraft) -> list[Sequence[Curve]]:
-    """The outline's curves, then those of the holes."""
-    return [[named.curve for named in panel.outline], *(hole.curves for hole in panel.holes)]

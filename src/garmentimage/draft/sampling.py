@@ -8,9 +8,10 @@ reason and drawn again.
 import math
 import zlib
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from multiprocessing import get_context
 from types import MappingProxyType
 from typing import Any
@@ -18,12 +19,11 @@ from typing import Any
 import numpy as np
 
 from garmentimage.body import BodyMeasurements, measurements, presets
-from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, Kind
+from garmentimage.draft.kinds import DEFAULT_BODY, Kind, find_kind
 from garmentimage.draft.parameters import Parameter, Value, checked_values
-from garmentimage.draft.templates import Template
+from garmentimage.draft.templates import Template, as_json
 from garmentimage.errors import DraftError, PatternError, quoted
 from garmentimage.pattern import Pattern
-from garmentimage.system import did_you_mean
 
 END_SHARE = 0.03
 """Share of draws that a number's lowest value has, and its highest: corners of the ranges occur."""
@@ -60,7 +60,7 @@ class Sample:
             "seed": self.seed,
             "index": self.index,
             "body": self.body,
-            "parameters": {name: _as_json(value) for name, value in self.parameters.items()},
+            "parameters": {name: as_json(value) for name, value in self.parameters.items()},
             "rejected": list(self.rejected),
         }
 
@@ -92,7 +92,7 @@ def sample(
         DraftError: an unknown name, an invalid number, or a source that hardly gives a
             garment.
     """
-    found = _found(source)
+    found = find_kind(source) if isinstance(source, str) else source
     if fixed and not isinstance(found, Kind):
         raise DraftError("the parameters of a template cannot be fixed; fix those of a kind")
     if isinstance(found, Kind):
@@ -117,47 +117,34 @@ def _samples(
     workers: int,
 ) -> Iterator[Sample]:
     if workers <= 1 or len(indices) <= CHUNK:
-        for index in indices:
-            yield _one(source, seed, body, fixed, index)
+        yield from map(partial(_one, source, seed, body, fixed), indices)
         return
-    # A kind's functions stay where they are: workers look it up by its name.
+    # The mappings of a kind cannot be pickled: workers look it up by its name.
     sent = source.name if isinstance(source, Kind) else source
+    one = partial(_one, sent, seed, body, fixed)
     chunks = iter(indices[k : k + CHUNK] for k in range(0, len(indices), CHUNK))
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         waiting: deque[Future[list[Sample]]] = deque()
         for chunk in chunks:
-            waiting.append(pool.submit(_chunk, sent, seed, body, fixed, chunk))
+            waiting.append(pool.submit(_chunk, one, chunk))
             if len(waiting) > 2 * workers:
                 yield from waiting.popleft().result()
         while waiting:
             yield from waiting.popleft().result()
 
 
-def _chunk(
-    source: str | Template,
-    seed: int,
-    body: str | BodyMeasurements,
-    fixed: Mapping[str, Value],
-    indices: range,
-) -> list[Sample]:
-    return [_one(_found(source), seed, body, fixed, index) for index in indices]
-
-
-def _found(source: str | Source) -> Source:
-    if not isinstance(source, str):
-        return source
-    if source not in KINDS:
-        raise DraftError(f"there is no kind {quoted(source)}; {did_you_mean(source, KINDS)}")
-    return KINDS[source]
+def _chunk(one: Callable[[int], Sample], indices: range) -> list[Sample]:
+    return [one(index) for index in indices]
 
 
 def _one(
-    source: Source,
+    source: str | Source,
     seed: int,
     body: str | BodyMeasurements,
     fixed: Mapping[str, Value],
     index: int,
 ) -> Sample:
+    source = find_kind(source) if isinstance(source, str) else source
     name = source.name if isinstance(source, Kind) else source.pattern.name
     key = zlib.crc32(name.encode())
     random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, key, index])))
@@ -221,7 +208,3 @@ def at_level(kind: Kind, level: float) -> dict[str, Value]:
 def drafted(kind: Kind, body: BodyMeasurements, level: float) -> Pattern:
     """A garment with all parameters at one level of their ranges."""
     return kind.draft(body, at_level(kind, level))
-
-
-def _as_json(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value

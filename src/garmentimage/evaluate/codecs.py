@@ -1,9 +1,9 @@
 """Codecs: networks from garments to latent vectors and back, under one protocol."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32
@@ -18,25 +18,28 @@ from garmentimage.raster.encode import encode
 from garmentimage.raster.repair import RepairLevel
 
 
-@runtime_checkable
-class Codec(Protocol):
+class Codec(ABC):
     """Garments to latent vectors and back."""
 
+    @abstractmethod
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of some garments."""
 
-    def symmetrised_for(self, pattern: Pattern) -> "Codec":
-        """The codec for edits of a garment."""
+    def symmetrised_for(self, pattern: Pattern) -> "Codec":  # noqa: ARG002 - of those that use it
+        """The codec for edits of a garment: itself if it has no notion of symmetry."""
+        return self
 
-    def reproject(self, z: Latent, times: int) -> Latent:
-        """A latent vector decoded and encoded again so many times."""
+    def reproject(self, z: Latent, times: int) -> Latent:  # noqa: ARG002 - of those that use it
+        """A latent vector decoded and encoded again so many times: itself without a network."""
+        return z
 
+    @abstractmethod
     def decode(self, z: Latent) -> DecodedGarment:
         """The garment of any latent vector."""
 
 
 @dataclass(frozen=True)
-class RasterCodec:
+class RasterCodec(Codec):
     """The GarmentImage VAE, at one level of repair."""
 
     space: LatentSpace
@@ -61,7 +64,7 @@ class RasterCodec:
 
 
 @dataclass(frozen=True)
-class PlainCodec:
+class PlainCodec(Codec):
     """GarmentImages without a network: the vector of a garment is its channels."""
 
     grid: int
@@ -69,14 +72,6 @@ class PlainCodec:
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """All channels of some garments."""
         return np.stack([encode(each, self.grid).to_channels().ravel() for each in patterns])
-
-    def symmetrised_for(self, pattern: Pattern) -> "PlainCodec":  # noqa: ARG002 - of the protocol
-        """Itself: it has no notion of symmetry."""
-        return self
-
-    def reproject(self, z: Latent, times: int) -> Latent:  # noqa: ARG002 - of the protocol
-        """Itself: there is no network."""
-        return z
 
     def decode(self, z: Latent) -> DecodedGarment:
         """The garment of a linear combination of channels.
@@ -91,7 +86,7 @@ class PlainCodec:
         return decoded_garment(z, join_channels(flags.clip(0, 1), shares, vectors), "full")
 
 
-class VectorCodec:
+class VectorCodec(Codec):
     """The vector VAE; stitches and placement are those of the nearest topology in training.
 
     Args:
@@ -117,10 +112,6 @@ class VectorCodec:
 
         with torch.no_grad():
             return self.model.encode(to_vectors(patterns, self.words))[0].numpy()
-
-    def symmetrised_for(self, pattern: Pattern) -> "VectorCodec":  # noqa: ARG002 - of the protocol
-        """Itself: it has no notion of symmetry."""
-        return self
 
     def reproject(self, z: Latent, times: int) -> Latent:
         """A latent vector decoded and encoded again so many times."""

@@ -108,8 +108,8 @@ def sample_triplets(edit: Edit, count: int, seed: int = SEED) -> Iterator[Triple
     body = measurements(BODY)
     found, number = 0, 0
     while found < count:
-        one = dict(next(_sample_parameters(edit.before, seed, number)))
-        two = dict(next(_sample_parameters(edit.on, seed + 1, number)))
+        one = _sample_parameters(edit.before, seed, number)
+        two = _sample_parameters(edit.on, seed + 1, number)
         number += 1
         brought = {name: one[name] for name in edit.brought}
         try:
@@ -130,13 +130,11 @@ def draft_as(
 ) -> Pattern:
     """Draft a design of one kind as another: common parameters are clipped to range."""
     known = dict(design) | _below_waist(design, of.kind, to.kind, body)
-    values: dict[str, Value] = {}
-    for name, parameter in KINDS[to.kind].parameters.items():
-        if name in known:
-            value = known[name]
-            values[name] = (
-                value if parameter.options else float(np.clip(value, parameter.low, parameter.high))
-            )
+    values = {
+        name: known[name] if p.options else float(np.clip(known[name], p.low, p.high))
+        for name, p in KINDS[to.kind].parameters.items()
+        if name in known
+    }
     return KINDS[to.kind].draft(body, values | dict(to.fixed))
 
 
@@ -159,6 +157,6 @@ def _below_waist(
     return {"leg_length": inside / (body.crotch_height - body.ankle_height)}
 
 
-def _sample_parameters(made: PartialDesign, seed: int, number: int) -> Iterator[Mapping[str, Any]]:
-    for each in sample(made.kind, 1, seed, body=BODY, fixed=made.fixed, first=number):
-        yield each.parameters
+def _sample_parameters(made: PartialDesign, seed: int, number: int) -> dict[str, Any]:
+    drawn = sample(made.kind, 1, seed, body=BODY, fixed=made.fixed, first=number)
+    return dict(next(drawn).parameters)

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from garmentimage.dataset import dataset_hash
+from garmentimage.dataset import dataset_hash, garment_types, has_split, parse_patterns
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.amounts import ImageAmounts
 from garmentimage.evaluate.garment import measure_garment
 from garmentimage.evaluate.predictors import TEACHER_STAGES, Predictor, load_predictor
 from garmentimage.evaluate.records import Records
-from garmentimage.evaluate.splits import SPLITS, check_splits, check_training
+from garmentimage.evaluate.splits import TEST_SPLITS, check_splits, check_training
 from garmentimage.metrics import interval, likeness
 from garmentimage.raster.repair import LEVELS
 from garmentimage.system import shown_path, source_commit, weights_hash
@@ -35,6 +35,8 @@ TIME_LIMIT_S = 300.0
 ACCESS_LOG = "opened.jsonl"
 """Log of when the test splits were used, and for which predictors."""
 SPLIT_NAMES = {"test": "seen", "unseen": "unseen"}
+STAGE_NAMES = {"flags": "flags", "types": "flags and edge types", "vectors": "image"}
+"""The ground truth that a teacher-forced cascade is given, by its last stage."""
 BY_TYPE = "panel_iou", "topology"
 """Figures that are also given by type of garment."""
 
@@ -62,11 +64,11 @@ class ImageItem:
 
 def with_baselines(predictors: Sequence[Predictor]) -> list[Predictor]:
     """The predictors with baselines, and with ablations of the first cascade."""
-    baselines = [
+    found = [
+        *predictors,
         Predictor("nearest picture", "nearest"),
         Predictor("another of its type", "random"),
     ]
-    found = [*predictors, *baselines]
     first = next((each for each in predictors if each.kind == "cascade"), None)
     if first is not None:
         found += [
@@ -76,7 +78,7 @@ def with_baselines(predictors: Sequence[Predictor]) -> list[Predictor]:
         ]
         if (Path(first.folder) / "model.safetensors").is_file():
             found += [
-                Predictor(f"true {_stage_name(kind)}", kind, first.folder)
+                Predictor(f"true {STAGE_NAMES[kind]}", kind, first.folder)
                 for kind in TEACHER_STAGES
             ]
     return found
@@ -145,14 +147,11 @@ def score_image_item(item: ImageItem) -> dict[str, Any]:
     """The record of an item."""
     album, patterns = load_garments(item.data, item.split, item.held_out, item.validation)
     guess = load_predictor(item.predictor, item.data, item.held_out)(album, item.number)
-    truth = patterns[item.number]
-    found = likeness(truth, guess.pattern)
-    worn = measure_garment(guess.pattern, guess.fault).valid if item.worn else None
     return {
         "type": album.types[item.number],
-        **found.figures(),
+        **likeness(patterns[item.number], guess.pattern).figures(),
         "panels found": len(guess.pattern.panels) if guess.pattern else 0,
-        "draped": worn,
+        "draped": measure_garment(guess.pattern, guess.fault).valid if item.worn else None,
         "fault": guess.fault,
         "repairs": guess.repairs,
         "confidence": guess.confidence,
@@ -163,47 +162,40 @@ def summarise_images(
     items: Sequence[ImageItem], records: Mapping[ImageItem, Mapping[str, Any]]
 ) -> dict[str, dict[str, Any]]:
     """Figures by predictor and split; of networks of one name the mean over their seeds."""
-    groups: defaultdict[tuple[str, str], dict[int, list[Mapping[str, Any]]]] = defaultdict(dict)
-    seeds: defaultdict[tuple[str, str], defaultdict[str, list[float]]] = defaultdict(
-        lambda: defaultdict(list)
-    )
-    lost: Counter[tuple[str, str]] = Counter()
+    groups: defaultdict[tuple[str, str], list[ImageItem]] = defaultdict(list)
     for item in items:
-        record, predictor = records[item], item.predictor
-        name = (
-            predictor.name if predictor.level == "full" else f"{predictor.name}, {predictor.level}"
-        )
-        group = name, SPLIT_NAMES[item.split]
-        if "lost" in record:
-            lost[group] += 1
+        groups[item.predictor.label, SPLIT_NAMES[item.split]].append(item)
+    summary: defaultdict[str, dict[str, Any]] = defaultdict(dict)
+    for (label, split), members in groups.items():
+        garments: defaultdict[int, list[Mapping[str, Any]]] = defaultdict(list)
+        seeds: defaultdict[str, list[float]] = defaultdict(list)
+        known = [item for item in members if "lost" not in records[item]]
+        for item in known:
+            garments[item.number].append(records[item])
+            seeds[item.predictor.key].append(records[item]["panel_iou"])
+        if not known:
             continue
-        groups[group].setdefault(item.number, []).append(record)
-        seeds[group][predictor.key].append(record["panel_iou"])
-    told: dict[str, dict[str, Any]] = {}
-    for (name, split), rows in groups.items():
-        figures = _figures(list(rows.values()))
-        figures["lost"] = lost[name, split]
-        if len(seeds[name, split]) > 1:
+        figures = _figures(list(garments.values()))
+        figures["lost"] = len(members) - len(known)
+        if len(seeds) > 1:
             figures["panel_iou by seed"] = {
-                key: round(float(np.mean(values)), 4)
-                for key, values in sorted(seeds[name, split].items())
+                key: round(float(np.mean(values)), 4) for key, values in sorted(seeds.items())
             }
         types: defaultdict[str, list[Sequence[Mapping[str, Any]]]] = defaultdict(list)
-        for records_of_one in rows.values():
-            types[records_of_one[0]["type"]].append(records_of_one)
+        for found in garments.values():
+            types[found[0]["type"]].append(found)
         if len(types) > 1:
             figures["by type"] = {
                 each: {key: _figures(types[each])[key] for key in BY_TYPE} for each in sorted(types)
             }
-        told.setdefault(name, {})[split] = figures
-    return told
+        summary[label][split] = figures
+    return dict(summary)
 
 
 def _figures(garments: Sequence[Sequence[Mapping[str, Any]]]) -> dict[str, Any]:
     """Each garment's records are those of some seeds."""
-    first = garments[0][0]
-    told: dict[str, Any] = {}
-    for name in first:
+    figures: dict[str, Any] = {}
+    for name in garments[0][0]:
         if name in ("type", "fault", "repairs", "panels found"):
             continue
         means = []
@@ -212,15 +204,13 @@ def _figures(garments: Sequence[Sequence[Mapping[str, Any]]]) -> dict[str, Any]:
             if known:
                 means.append(float(np.mean(known)))
         if means:
-            told[name] = asdict(interval(means))
+            figures[name] = asdict(interval(means))
     every = [record for records in garments for record in records]
-    repairs: Counter[str] = Counter()
-    for record in every:
-        repairs.update({rule: 1 for rule in record["repairs"]})
-    told["repaired"] = {rule: round(n / len(every), 4) for rule, n in repairs.most_common()}
+    repairs = Counter(rule for record in every for rule in record["repairs"])
+    figures["repaired"] = {rule: round(n / len(every), 4) for rule, n in repairs.most_common()}
     faults = Counter(_fault_class(record["fault"]) for record in every if record["fault"])
-    told["faults"] = dict(faults.most_common())
-    return told
+    figures["faults"] = dict(faults.most_common())
+    return figures
 
 
 def _items(
@@ -231,7 +221,7 @@ def _items(
     validation: bool,
 ) -> list[ImageItem]:
     items = []
-    for split in SPLITS:
+    for split in TEST_SPLITS:
         if not amounts.of(split) or (
             split == "unseen" and not has_unseen(data, held_out, validation)
         ):
@@ -264,8 +254,6 @@ def _items(
 
 def has_unseen(data: str, held_out: str, validation: bool = False) -> bool:
     """Whether there are garments of unseen types to measure on."""
-    from garmentimage.dataset import has_split
-
     if held_out or validation:  # the split `unseen` is for test only
         return bool(held_out)
     return has_split(data, "unseen")
@@ -282,23 +270,15 @@ def load_garments(
     data: str, split: str, held_out: str, validation: bool = False
 ) -> "tuple[ImageSplit, list[Pattern]]":
     """Garments of seen or unseen types to measure on, with their patterns."""
-    from garmentimage.dataset import parse_patterns
     from garmentimage.learn.data import load_split
 
     place = "validation" if validation else "test"
     if held_out:
-        without = {held_out} if split == "test" else _types(data) - {held_out}
+        without = {held_out} if split == "test" else {*garment_types(data)} - {held_out}
         album = load_split(data, place, without=sorted(without))
     else:
         album = load_split(data, place if split == "test" else split)
     return album, parse_patterns(album.patterns, data)
-
-
-@cache
-def _types(data: str) -> set[str]:
-    from garmentimage.dataset import shard_files, shard_metadata
-
-    return set(shard_metadata(shard_files(data, "test")[0]).types)
 
 
 def _weights_hash(predictor: Predictor) -> dict[str, str]:
@@ -319,10 +299,6 @@ def _log_access(folder: Path, missing: Sequence[ImageItem]) -> None:
 
 def _lines(file: Path) -> list[str]:
     return file.read_text(encoding="utf-8").splitlines() if file.exists() else []
-
-
-def _stage_name(kind: str) -> str:
-    return {"flags": "flags", "types": "flags and edge types", "vectors": "image"}[kind]
 
 
 def _fault_class(fault: str) -> str:

@@ -5,7 +5,6 @@ no dataset uses. Records are written to a folder one by one, a file for each sta
 that an interrupted run resumes.
 """
 
-import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -16,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from garmentimage.dataset import dataset_hash, read_summary
+from garmentimage.dataset import dataset_hash, parse_patterns, read_rows, read_summary
 from garmentimage.errors import GarmentImageError, LearnError
 from garmentimage.evaluate.amounts import LatentAmounts
 from garmentimage.evaluate.codecs import Codec, PlainCodec, RasterCodec, VectorCodec
@@ -40,7 +39,12 @@ from garmentimage.system import shown_path, weights_hash
 INTERPOLATION_STEPS = 9
 SEED = 20
 TIME_LIMIT_S = 300.0
-STAGES = ("reconstruction", "interpolation", "edits")
+FIGURES = {
+    "reconstruction": ("overlap", "graph", "valid"),
+    "interpolation": ("changes", "outline jump", "silhouette jump"),
+    "edits": ("intended", "overlap", "valid"),
+}
+"""Figures of each stage, beside those that are counted."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ def evaluate_latent(
     }
     items = [
         LatentItem(stage, candidate, amounts, recipe, number)
-        for stage in STAGES
+        for stage in FIGURES
         for candidate in networks
         for number in range(counts[stage])
     ]
@@ -119,7 +123,7 @@ def evaluate_latent(
             stage: summarise_latent(
                 stage, [records[i] for i in items if (i.stage, i.candidate) == (stage, candidate)]
             )
-            for stage in STAGES
+            for stage in FIGURES
         }
         for candidate in networks
     }
@@ -164,7 +168,7 @@ def score_latent_item(item: LatentItem) -> dict[str, Any]:
 
 
 def _reconstruction_record(codec: Codec, pattern: Pattern) -> dict[str, Any]:
-    found = _measure_latent(codec, codec.latents([pattern])[0])
+    found = _measure_step(codec.decode(codec.latents([pattern])[0]))
     return {
         "overlap": panel_overlap(pattern, found.pattern),
         "graph": same_graph(pattern, found.pattern),
@@ -176,7 +180,7 @@ def _reconstruction_record(codec: Codec, pattern: Pattern) -> dict[str, Any]:
 def _interpolation_record(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any]:
     start, end = codec.latents([a, b])
     steps = [
-        _measure_latent(codec, start + share * (end - start))
+        _measure_step(codec.decode(start + share * (end - start)))
         for share in np.linspace(0, 1, INTERPOLATION_STEPS)
     ]
     patterns = [one.pattern for one in steps if one.pattern is not None]
@@ -219,17 +223,17 @@ def _outcome(found: MeasuredGarment, triplet: Triplet) -> str:
     """The garment whose topology the result of an edit has."""
     if not found.topology:
         return "no garment"
-    names = {"intended": triplet.truth, "as C, unchanged": triplet.c, "as B": triplet.b}
-    names["as A"] = triplet.a
+    names = {
+        "intended": triplet.truth,
+        "as C, unchanged": triplet.c,
+        "as B": triplet.b,
+        "as A": triplet.a,
+    }
     return next((n for n, p in names.items() if found.topology == _topology(p)), "another")
 
 
 def _topology(pattern: Pattern) -> str:
     return measure_garment(pattern, worn=False).topology
-
-
-def _measure_latent(codec: Codec, z: np.ndarray) -> MeasuredGarment:
-    return _measure_step(codec.decode(z))
 
 
 def _measure_step(step: DecodedGarment) -> MeasuredGarment:
@@ -253,14 +257,8 @@ def load_codec(candidate: Candidate) -> Codec:
 
 @cache
 def _test_split(data: str) -> tuple[list[Pattern], list[str]]:
-    from garmentimage.dataset import read_tables
-    from garmentimage.pattern.files import pattern_from_spec
-
-    patterns, types = [], []
-    for table in read_tables(data, "test", ["type", "pattern"]):
-        types += table["type"].to_pylist()
-        patterns += [pattern_from_spec(json.loads(text)) for text in table["pattern"].to_pylist()]
-    return patterns, types
+    rows = list(read_rows(data, "test", "type", "pattern"))
+    return parse_patterns([text for _, text in rows], data), [name for name, _ in rows]
 
 
 def _held_out(item: LatentItem) -> list[Pattern]:
@@ -328,17 +326,5 @@ def _values(
 ) -> Iterator[tuple[str, list[float | None]]]:
     if stage == "interpolation":
         yield "valid steps", [float(np.mean(row["valid"])) for row in rows]
-        for name in ("changes", "outline jump", "silhouette jump"):
-            yield name, [row[name] for row in rows]
-        return
-    names = {
-        "reconstruction": ("overlap", "graph", "valid"),
-        "edits": ("intended", "overlap", "valid"),
-    }
-    for name in names[stage]:
+    for name in FIGURES[stage]:
         yield name, [row[name] for row in rows]
-
-
-def describe_run(networks: Sequence[Candidate], amounts: LatentAmounts) -> dict[str, Any]:
-    """Networks and amounts of a result, as plain data."""
-    return {"networks": [asdict(each) for each in networks], "amounts": asdict(amounts)}

@@ -42,6 +42,11 @@ class Predictor:
     """Of repair, if images are predicted."""
 
     @property
+    def label(self) -> str:
+        """What tables call it."""
+        return self.name if self.level == "full" else f"{self.name}, {self.level}"
+
+    @property
     def key(self) -> str:
         """A unique name, for its records."""
         parts = [self.name, self.level if self.level != "full" else "", Path(self.folder).name]
@@ -78,9 +83,6 @@ def load_predictor(predictor: Predictor, data: str, held_out: str = "") -> Predi
         predictor: the predictor.
         data: folder of the dataset, for the nearest training picture.
         held_out: a type to leave out of it.
-
-    Raises:
-        LearnError: its network cannot be read.
     """
     folder = Path(predictor.folder)
     if predictor.kind == "cascade":
@@ -95,11 +97,7 @@ def load_predictor(predictor: Predictor, data: str, held_out: str = "") -> Predi
 
 
 def predictor_kind(folder: Path) -> PredictorKind:
-    """The kind of predictor in a folder.
-
-    Raises:
-        LearnError: there is none.
-    """
+    """The kind of predictor in a folder."""
     if (folder / PREDICTOR_FILE).is_file():
         return "cascade"
     if _slot_network(folder):
@@ -206,31 +204,29 @@ class _Nearest:
     """The garment of the nearest picture in the training split."""
 
     def __init__(self, data: str, held_out: str) -> None:
-        from garmentimage.dataset import read_tables
+        from garmentimage.dataset import read_rows
         from garmentimage.learn.data import PICTURE_COLUMN, read_pixels
 
         self.data = data
         self.patterns: list[str] = []
         thumbs = []
-        for table in read_tables(data, "train", ["type", "pattern", PICTURE_COLUMN]):
-            types, patterns, pictures = (
-                table[name].to_pylist() for name in ("type", "pattern", PICTURE_COLUMN)
-            )
-            for name, pattern, picture in zip(types, patterns, pictures, strict=True):
-                if name != held_out:
-                    self.patterns.append(pattern)
-                    thumbs.append(thumbnail(read_pixels(picture["bytes"])))
+        for name, pattern, picture in read_rows(data, "train", "type", "pattern", PICTURE_COLUMN):
+            if name != held_out:
+                self.patterns.append(pattern)
+                thumbs.append(_reduced_picture(read_pixels(picture["bytes"])))
         self.thumbs = np.stack(thumbs)
 
     def __call__(self, album: "ImageSplit", number: int) -> PredictedPattern:
         from garmentimage.dataset import parse_patterns
 
-        apart = np.abs(self.thumbs - thumbnail(album.garments.pictures[number].numpy())).sum(1)
+        apart = np.abs(self.thumbs - _reduced_picture(album.garments.pictures[number].numpy())).sum(
+            1
+        )
         (pattern,) = parse_patterns([self.patterns[int(apart.argmin())]], self.data)
         return _validated(pattern)
 
 
-def thumbnail(picture: UInt8[np.ndarray, "3 row col"]) -> Float32[np.ndarray, " number"]:
+def _reduced_picture(picture: UInt8[np.ndarray, "3 row col"]) -> Float32[np.ndarray, " number"]:
     """A reduced picture as a vector."""
     size = picture.shape[1] // THUMBNAIL
     blocks = picture.reshape(3, THUMBNAIL, size, THUMBNAIL, size).astype(np.float32)

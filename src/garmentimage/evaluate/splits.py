@@ -11,7 +11,7 @@ from garmentimage.evaluate.predictors import Predictor
 from garmentimage.evaluate.records import RUN_FILE
 from garmentimage.system import shown_path
 
-SPLITS = ("test", "unseen")
+TEST_SPLITS = ("test", "unseen")
 """Splits for test: of seen and of unseen types."""
 
 
@@ -36,7 +36,7 @@ def check_splits(data: Path, held_out: str = "") -> dict[str, Any]:
             learnt[name] |= values
     shared: dict[str, int] = {}
     unseen_types = {held_out} if held_out else set()
-    for split in SPLITS:
+    for split in TEST_SPLITS:
         for name, values in _column_values(data, split, columns).items():
             if name == "type" and split == "unseen" and not held_out:
                 unseen_types |= values
@@ -76,11 +76,7 @@ def _column_values(
 
 
 def check_training(predictor: Predictor, data_sha256: str, held_out: str) -> None:
-    """Refuse a network that was trained on other data, which may contain the garments for test.
-
-    Raises:
-        LearnError: it was, or it was trained on the held-out type.
-    """
+    """Refuse a network that was trained on other data, which may contain the garments for test."""
     run = read_run(predictor)
     if not run:
         return  # copied without its run; only its card names its data

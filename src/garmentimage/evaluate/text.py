@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 import torch
 
-from garmentimage.dataset import dataset_hash
+from garmentimage.dataset import dataset_hash, parse_patterns, read_rows
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.codecs import Codec, RasterCodec, VectorCodec
 from garmentimage.evaluate.garment import measure_garment
@@ -203,11 +203,7 @@ def _best_edit(
 
 
 def _check(editing: EditMethod) -> None:
-    """Read the networks of a method once, so that what does not fit is found before the work.
-
-    Raises:
-        LearnError: one cannot be read, or does not fit the others.
-    """
+    """Read the networks of a method once, so that what does not fit is found before the work."""
     if editing.kind == "caption":
         return
     load_method_codec(editing)
@@ -245,14 +241,9 @@ def applicable_prompts(garments: Sequence[Pattern]) -> list[tuple[int, Prompt]]:
 @cache
 def held_out_garments(data: str, split: str) -> list[Pattern]:
     """Garments of a split, in random order, types taking turns."""
-    from garmentimage.dataset import parse_patterns, read_tables
-
     texts: dict[str, list[str]] = {}
-    for table in read_tables(data, split, ["type", "pattern"]):
-        for name, text in zip(
-            *(table[each].to_pylist() for each in ("type", "pattern")), strict=True
-        ):
-            texts.setdefault(name, []).append(text)
+    for name, text in read_rows(data, split, "type", "pattern"):
+        texts.setdefault(name, []).append(text)
     random = np.random.default_rng(SEED)
     for group in texts.values():
         random.shuffle(group)
@@ -264,15 +255,10 @@ def held_out_garments(data: str, split: str) -> list[Pattern]:
 @cache
 def _nearest_caption(data: str, text: str) -> Pattern:
     """The first training garment with the caption that is nearest to a text."""
-    from garmentimage.dataset import parse_patterns, read_tables
-
     first: dict[str, str] = {}
-    for table in read_tables(data, "train", ["captions", "pattern"]):
-        for captions, pattern in zip(
-            *(table[each].to_pylist() for each in ("captions", "pattern")), strict=True
-        ):
-            for caption in captions:
-                first.setdefault(caption, pattern)
+    for captions, pattern in read_rows(data, "train", "captions", "pattern"):
+        for caption in captions:
+            first.setdefault(caption, pattern)
     captions = list(first)
     best = int((embed_texts(captions) @ embed_texts([text])[0]).argmax())
     return parse_patterns([first[captions[best]]], data)[0]

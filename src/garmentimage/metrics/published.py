@@ -35,7 +35,7 @@ MIN_EDGES = 3
 """Slots with fewer edges are not panels."""
 STRAIGHT = 1e-6
 
-Stitch = frozenset[tuple[int, int]]
+SlotStitch = frozenset[tuple[int, int]]
 """Two sides (slot, edge)."""
 
 
@@ -46,7 +46,7 @@ class Slots:
     edges: Float[np.ndarray, "slot edge 4"]
     rotations: Float[np.ndarray, "slot 4"]
     translations: Float[np.ndarray, "slot 3"]
-    stitches: frozenset[Stitch]
+    stitches: frozenset[SlotStitch]
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -168,7 +168,7 @@ def tag_stitches(
     tags: Float[np.ndarray, "slot edge tag"],
     free: Float[np.ndarray, "slot edge"],
     there: Bool[np.ndarray, "slot edge"],
-) -> frozenset[Stitch]:
+) -> frozenset[SlotStitch]:
     """Stitches from tags of edges: the closest pair first, each edge once.
 
     Args:
@@ -190,7 +190,7 @@ def tag_stitches(
     apart = cdist(points, points)
     first, second = np.triu_indices(len(sides), 1)
     left = set(range(len(sides)))
-    found: set[Stitch] = set()
+    found: set[SlotStitch] = set()
     for k in np.argsort(apart[first, second], kind="stable"):
         i, j = int(first[k]), int(second[k])
         if i in left and j in left:
@@ -344,7 +344,7 @@ def _points(rows: Float[np.ndarray, "edge 4"]) -> Float[np.ndarray, "point 2"]:
 
 
 def _stitch_scores(
-    truth: frozenset[Stitch], found: frozenset[Stitch]
+    truth: frozenset[SlotStitch], found: frozenset[SlotStitch]
 ) -> tuple[float, float, float]:
     """Precision, recall and F1; 0 where there is nothing to divide by."""
     right = len(truth & found)

@@ -292,42 +292,27 @@ def _median_ms(reports: Sequence[FileReport], step: str) -> float | None:
     return 1000 * float(np.median(times)) if times else None
 
 
+_COLUMNS: Mapping[str, Callable[[KindSummary], str]] = {
+    "kind": lambda row: row.kind,
+    "files": lambda row: str(row.files),
+    "success": lambda row: str(row.successes),
+    "%": lambda row: f"{100 * row.successes / row.files:.1f}" if row.files else "-",
+    "no marks": lambda row: str(row.successes_without_marks),
+    "cut": lambda row: str(row.cut_files),
+    "IoU mean": lambda row: _shown(row.iou_mean, 4),
+    "IoU min": lambda row: _shown(row.iou_min, 4),
+    "gap cm": lambda row: _shown(row.boundary_gap, 2),
+    "seams": lambda row: _shown(row.seam_agreement, 4),
+    "encode ms": lambda row: _shown(row.encode_ms, 1),
+    "decode ms": lambda row: _shown(row.decode_ms, 1),
+    "errors": lambda row: ", ".join(f"{n} {name}" for name, n in row.errors.items()) or "-",
+}
+
+
 def summary_table(rows: Sequence[KindSummary]) -> str:
     """Figures as a table of plain text."""
-    head = (
-        "kind",
-        "files",
-        "success",
-        "%",
-        "no marks",
-        "cut",
-        "IoU mean",
-        "IoU min",
-        "gap cm",
-        "seams",
-        "encode ms",
-        "decode ms",
-        "errors",
-    )
-    body = [
-        (
-            row.kind,
-            str(row.files),
-            str(row.successes),
-            f"{100 * row.successes / row.files:.1f}" if row.files else "-",
-            str(row.successes_without_marks),
-            str(row.cut_files),
-            _shown(row.iou_mean, 4),
-            _shown(row.iou_min, 4),
-            _shown(row.boundary_gap, 2),
-            _shown(row.seam_agreement, 4),
-            _shown(row.encode_ms, 1),
-            _shown(row.decode_ms, 1),
-            ", ".join(f"{n} {name}" for name, n in row.errors.items()) or "-",
-        )
-        for row in rows
-    ]
-    return plain_table(head, body, left=(0, len(head) - 1))
+    cells = [[cell(row) for cell in _COLUMNS.values()] for row in rows]
+    return plain_table([list(_COLUMNS), *cells], left=(0, len(_COLUMNS) - 1))
 
 
 def _shown(value: float | None, digits: int) -> str:

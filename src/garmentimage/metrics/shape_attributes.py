@@ -58,12 +58,15 @@ def measure_shape(pattern: Pattern | None) -> ShapeAttributes | None:
     if not body:
         return None
     hem = min(float(outline[:, 1].min()) for outline in body)
-    cuts = [_cut(body, hem + level) for level in LEVELS]
+    cuts = [
+        sorted(cloth for outline in body for cloth in _crossed(outline, axis=1, at=hem + level))
+        for level in LEVELS
+    ]
     legs = sum(_is_split(cut) for cut in cuts) * 2 > len(cuts)
     wide = sum(end - start for start, end in cuts[-1])
     return ShapeAttributes(
         legs=legs,
-        pieces=max(_stacked(body, x) for x in MIDDLE_LINES),
+        pieces=max(sum(bool(_crossed(each, axis=0, at=x)) for each in body) for x in MIDDLE_LINES),
         sleeves=max(float(np.ptp(outline[:, 0])) for outline in sleeves) if sleeves else None,
         length=measurements("mean-female").waist_height - hem,
         width=wide / 2 if legs else wide,
@@ -83,15 +86,12 @@ def panels_at_body(pattern: Pattern) -> list[PanelAtBody]:
     """The panels of a pattern at the body."""
     worlds = [panel.to_world(loop_polygon(panel.outline)) for panel in pattern.panels]
     top = max((float(world[:, 1].max()) for world in worlds), default=0.0)
-    return [
-        PanelAtBody(world[:, :2], bool(world[:, 2].mean() > 0), _is_sleeve(world[:, :2], top))
-        for world in worlds
-    ]
-
-
-def _is_sleeve(outline: Float[np.ndarray, "n 2"], top: float) -> bool:
-    x, y = _middle(outline)
-    return bool(abs(x) > SIDE and y > top - SLEEVE_BELOW)
+    panels = []
+    for world in worlds:
+        x, y = _middle(world[:, :2])
+        is_sleeve = bool(abs(x) > SIDE and y > top - SLEEVE_BELOW)
+        panels.append(PanelAtBody(world[:, :2], bool(world[:, 2].mean() > 0), is_sleeve))
+    return panels
 
 
 def _middle(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " 2"]:
@@ -106,30 +106,15 @@ def _beside(outlines: Sequence[Float[np.ndarray, "_ 2"]]) -> list[Float[np.ndarr
     ]
     ends = [
         min(
-            (
-                float((side * each[:, 0]).min())
-                for each, s in zip(outlines, sides, strict=True)
-                if s == side
-            )
+            float((s * each[:, 0]).min())
+            for each, s in zip(outlines, sides, strict=True)
+            if s == side
         )
         for side in (1, -1)
         if side in sides
     ]
     move = max(APART - sum(ends), 0.0) / 2 if len(ends) == 2 else 0.0
     return [each + np.array([side * move, 0.0]) for each, side in zip(outlines, sides, strict=True)]
-
-
-def _cut(outlines: Sequence[Float[np.ndarray, "_ 2"]], height: float) -> list[tuple[float, float]]:
-    """Stretches of cloth at a height, from the right to the left of the wearer [cm]."""
-    found = []
-    for outline in outlines:
-        found += _crossed(outline, axis=1, at=height)
-    return sorted(found)
-
-
-def _stacked(outlines: Sequence[Float[np.ndarray, "_ 2"]], x: float) -> int:
-    """Panels that a line down the body crosses."""
-    return sum(bool(_crossed(outline, axis=0, at=x)) for outline in outlines)
 
 
 def _crossed(

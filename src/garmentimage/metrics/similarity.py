@@ -9,7 +9,7 @@ The figures of published codes are in `published_figures`.
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -99,9 +99,6 @@ class Likeness:
         return figures
 
 
-NOTHING = Scores(0, 0, 0, 0)
-
-
 def likeness(truth: Pattern, found: Pattern | None) -> Likeness:
     """Compare a predicted pattern with the true one, which must be valid.
 
@@ -179,12 +176,8 @@ def likeness_summary(
         if known:
             summary[name] = interval(known, seed=seed)
     for how in ("by_edge", "by_length"):
-        scores = [getattr(each, how) for each in found]
-        sums = Counter[str]()
-        for score in scores:
-            sums.update(asdict(score))
-        whole = Scores(**{name: sums[name] for name in asdict(NOTHING)})
-        summary[f"stitch_f1_{how}_micro"] = whole.f1
+        counts = zip(*(astuple(getattr(each, how)) for each in found), strict=True)
+        summary[f"stitch_f1_{how}_micro"] = Scores(*map(sum, counts)).f1
     if draped is not None:
         summary["draped"] = interval([float(each) for each in draped], seed=seed)
     return summary

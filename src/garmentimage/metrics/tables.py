@@ -16,18 +16,15 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def plain_table(
-    head: Sequence[str], rows: Sequence[Sequence[str]], left: Collection[int] = (0,)
-) -> str:
+def plain_table(rows: Sequence[Sequence[str]], left: Collection[int] = (0,)) -> str:
     """A table of plain text; the columns `left` are aligned left, others right."""
-    lines = [head, *rows]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return "\n".join(
         "  ".join(
             text.ljust(width) if k in left else text.rjust(width)
-            for k, (text, width) in enumerate(zip(line, widths, strict=True))
+            for k, (text, width) in enumerate(zip(row, widths, strict=True))
         ).rstrip()
-        for line in lines
+        for row in rows
     )
 
 

@@ -12,6 +12,14 @@ from math import hypot, sqrt
 
 from garmentimage.body import BodyMeasurements
 from garmentimage.draft import rules
+from garmentimage.draft.designs import (
+    WAIST_DARTS,
+    BodiceDesign,
+    CutoutDesign,
+    DartDesign,
+    HemDesign,
+    NeckDesign,
+)
 from garmentimage.draft.panel import (
     FRONT,
     GAP,
@@ -31,8 +39,7 @@ from garmentimage.draft.panel import (
     plus_side,
     whole,
 )
-from garmentimage.draft.parameters import choice, parameter
-from garmentimage.draft.parts.darts import WAIST_DARTS, DartDesign, with_side_dart, with_waist_darts
+from garmentimage.draft.parts.darts import with_side_dart, with_waist_darts
 from garmentimage.errors import DraftError
 from garmentimage.geometry import Bezier, Curve, Line, Point
 from garmentimage.pattern import Loop, loop_from_curves
@@ -59,62 +66,6 @@ BOAT_DEPTH = 0.5
 """... and how deep it is, as a share of the depth of the others."""
 SQUARE_TAPER = 0.12
 """A square neckline is narrower at its corners than at the shoulder by this share."""
-
-
-@dataclass(frozen=True)
-class BodiceDesign:
-    """Width and length of the trunk."""
-
-    bust_ease: float = parameter(8.0, 2.0, 24.0, "cm", "room at the bust, all round")
-    waist_shaping: float = parameter(
-        0.5, 0.0, 1.0, "share", "how far the side seam follows the waist: 0 straight, 1 close"
-    )
-    armhole_ease: float = parameter(2.0, 0.0, 6.0, "cm", "how far the armhole lies below the arm")
-    shoulder_reach: float = parameter(
-        1.0, 0.8, 1.15, "shoulder length", "where the armhole meets the shoulder; above 1 it drops"
-    )
-    body_length: float = parameter(18.0, -4.0, 30.0, "cm", "from the waist down to the hem")
-    panels_a_side: int = choice(1, (1, 2), "panels of front and of back; two have a centre seam")
-
-
-@dataclass(frozen=True)
-class NeckDesign:
-    """The neckline."""
-
-    neckline: str = choice("round", ("round", "v", "square", "boat"), "shape of the front neckline")
-    neck_width: float = parameter(
-        3.0, 1.0, 5.0, "cm", "how far the neckline lies from the neck along the shoulder"
-    )
-    neck_depth: float = parameter(
-        11.0, 9.0, 18.0, "cm", "from the shoulder down to the front neckline"
-    )
-    back_neck_depth: float = parameter(
-        3.0, 2.0, 8.0, "cm", "from the shoulder down to the back neckline"
-    )
-
-
-@dataclass(frozen=True)
-class HemDesign:
-    """The lower edge of a dress, a top or a skirt."""
-
-    flare: float = parameter(
-        0.15, 0.0, 0.5, "cm per cm", "how much wider each side gets on the way down from the hip"
-    )
-    hem_slant: float = parameter(
-        0.0, -10.0, 10.0, "cm", "how much lower the hem hangs on the left, and higher on the right"
-    )
-
-
-@dataclass(frozen=True)
-class CutoutDesign:
-    """An oval hole in the middle of a panel."""
-
-    cutout: str = choice("none", ("none", "front", "back"), "panel with a hole in it")
-    cutout_width: float = parameter(9.0, 7.0, 13.0, "cm", "width of the hole")
-    cutout_height: float = parameter(9.0, 7.0, 13.0, "cm", "height of the hole")
-    cutout_place: float = parameter(
-        0.45, 0.3, 0.6, "way to the neck", "from the waist up to the middle of the hole"
-    )
 
 
 BelowWaist = Callable[[str], Outline]
@@ -301,11 +252,7 @@ def trunk(
 
 
 def cutout_holes(block: BodiceBlock, design: CutoutDesign) -> tuple[Loop, ...]:
-    """The hole of a cut-out, clockwise.
-
-    Raises:
-        DraftError: it comes too near an edge of its panel.
-    """
+    """The hole of a cut-out, clockwise."""
     rx, ry = design.cutout_width / 2, design.cutout_height / 2
     depth = block.neck.neck_depth if design.cutout == FRONT else block.neck.back_neck_depth
     neck = block.strap[1] - depth

@@ -1,58 +1,17 @@
 """Darts: wedges that are folded away so that flat cloth follows the bust and the waist."""
 
-from dataclasses import dataclass
-
 from garmentimage.draft import rules
+from garmentimage.draft.designs import DartDesign
 from garmentimage.draft.panel import NamedCurve, Outline, distance, lerp, lines, moved
-from garmentimage.draft.parameters import choice, parameter
 from garmentimage.errors import DraftError
 from garmentimage.geometry import Point
 
-WAIST_DARTS = {"none": 0, "waist": 1, "side": 0, "waist-and-side": 1, "two-waist": 2}
-"""Darts in the lower edge of each half."""
 SECOND_DART = 0.3
 """How far the second waist dart lies from the first, as a share of the lower edge."""
 
 
-@dataclass(frozen=True)
-class DartDesign:
-    """Darts of each half of the bodice."""
-
-    front_darts: str = choice("waist", tuple(WAIST_DARTS), "darts of each front half")
-    back_darts: str = choice("none", ("none", "waist"), "darts of each back half")
-    dart_place: float = parameter(
-        0.4, 0.3, 0.5, "half width", "from the middle to the first waist dart"
-    )
-    dart_width: float = parameter(2.0, 1.0, 3.0, "cm", "mouth of each waist dart")
-    dart_reach: float = parameter(
-        0.7, 0.4, 0.9, "way to the bust", "how high waist darts end above the lower edge"
-    )
-    side_dart_place: float = parameter(
-        0.3, 0.15, 0.5, "side seam", "from the armpit down to the side dart"
-    )
-    side_dart_width: float = parameter(2.5, 1.5, 4.0, "cm", "mouth of the side dart")
-    side_dart_reach: float = parameter(
-        0.7, 0.4, 0.9, "way to the bust", "how far the side dart reaches in"
-    )
-
-    @property
-    def intake(self) -> float:
-        """The most that waist darts take out of one half [cm]."""
-        most = max(WAIST_DARTS[self.front_darts], WAIST_DARTS[self.back_darts])
-        return most * self.dart_width
-
-    @property
-    def has_side_dart(self) -> bool:
-        """Whether a dart opens in the front side seam."""
-        return self.front_darts in ("side", "waist-and-side")
-
-
 def with_waist_darts(half: Outline, design: DartDesign, count: int, bust: Point) -> Outline:
-    """A half with `count` darts in its straight lower edge, which comes first.
-
-    Raises:
-        DraftError: a dart ends too near the bust point.
-    """
+    """A half with `count` darts in its straight lower edge, which comes first."""
     edge = half[0]
     start, end = edge.curve.start, edge.curve.end
     total = distance(start, end)
@@ -75,9 +34,6 @@ def with_side_dart(half: Outline, design: DartDesign, bust: Point) -> Outline:
 
     All that lies below gets longer by the width of the dart, so the side seam keeps its length
     once the dart is closed.
-
-    Raises:
-        DraftError: the dart ends too near the bust point.
     """
     last = max(k for k, named in enumerate(half) if named.label == "side_seam")
     curve, width = half[last].curve, design.side_dart_width

@@ -3,10 +3,9 @@
 Coordinates of the right half, seen from outside: the face is at +x, (0, 0) lies above the shoulder.
 """
 
-from dataclasses import dataclass
-
 from garmentimage.draft.assemble import Assembly
 from garmentimage.draft.curves import length_of
+from garmentimage.draft.designs import HoodDesign
 from garmentimage.draft.panel import (
     BACK,
     FRONT,
@@ -21,9 +20,8 @@ from garmentimage.draft.panel import (
     lines,
     mirrored,
     on_side,
-    scaled,
+    scaled_curve,
 )
-from garmentimage.draft.parameters import parameter
 from garmentimage.draft.parts.bodice import BodiceBlock
 from garmentimage.geometry import Bezier
 
@@ -35,18 +33,6 @@ FACE_LEAN = 1.0
 """How far the face opening leans back at the top [cm]."""
 SIDE_TURN = 90.0
 """Rotation about the upright axis of a panel beside the head [degrees]."""
-
-
-@dataclass(frozen=True)
-class HoodDesign:
-    """A hood."""
-
-    hood_height: float = parameter(
-        0.62, 0.56, 0.72, "head girth", "from the neck edge to the highest point"
-    )
-    hood_room: float = parameter(
-        3.0, 1.0, 7.0, "cm", "how far the hood stands out behind the neck edge"
-    )
 
 
 def add_hood(
@@ -81,8 +67,8 @@ def add_hood(
 
 def hood_outline(back_neck: float, front_neck: float, height: float, room: float) -> Outline:
     """The right half of a hood whose neck edge has the given lengths [cm]."""
-    back = scaled(BACK_NECK_CURVE, back_neck / length_of(BACK_NECK_CURVE))
-    front = scaled(FRONT_NECK_CURVE, front_neck / length_of(FRONT_NECK_CURVE))
+    back = scaled_curve(BACK_NECK_CURVE, back_neck / length_of(BACK_NECK_CURVE))
+    front = scaled_curve(FRONT_NECK_CURVE, front_neck / length_of(FRONT_NECK_CURVE))
     (bx, by), (fx, fy) = back.start, front.end
     top, rear = (fx - FACE_LEAN, height), bx - room
     depth = fx - rear

@@ -9,6 +9,7 @@ from math import hypot
 
 from garmentimage.body import BodyMeasurements
 from garmentimage.draft.assemble import Assembly
+from garmentimage.draft.designs import SkirtDesign
 from garmentimage.draft.panel import (
     BACK,
     FACINGS,
@@ -24,7 +25,6 @@ from garmentimage.draft.panel import (
     mirrored,
     placed,
 )
-from garmentimage.draft.parameters import choice, parameter
 from garmentimage.errors import DraftError
 from garmentimage.geometry import Bezier, Curve, Line, Point
 
@@ -45,23 +45,6 @@ GORE_NAMES = {
     4: ("right_side_", "right_", "left_", "left_side_"),
 }
 """Names of the gores of a front, from the wearer's right to the left."""
-
-
-@dataclass(frozen=True)
-class SkirtDesign:
-    """A skirt that hangs from the waist."""
-
-    gores: int = choice(2, (2, 4, 6, 8), "number of panels")
-    skirt_length: float = parameter(0.55, 0.35, 0.9, "waist height", "from the waist to the hem")
-    skirt_flare: float = parameter(
-        0.2, 0.0, 0.5, "cm per cm", "how much wider each side gets on the way down from the hip"
-    )
-    skirt_fullness: float = parameter(
-        1.0, 1.0, 2.0, "waist", "width of its top; above 1 it is gathered"
-    )
-    skirt_slant: float = parameter(
-        0.0, -12.0, 12.0, "cm", "how much lower the hem hangs on the left, and higher on the right"
-    )
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from garmentimage.body import BodyMeasurements
 from garmentimage.draft import rules
 from garmentimage.draft.assemble import Assembly
 from garmentimage.draft.curves import curve_points, length_of
+from garmentimage.draft.designs import CuffDesign, SleeveDesign
 from garmentimage.draft.panel import (
     ALONG,
     BACK,
@@ -31,7 +32,6 @@ from garmentimage.draft.panel import (
     placed,
     plus_side,
 )
-from garmentimage.draft.parameters import choice, parameter
 from garmentimage.draft.parts.bodice import BodiceBlock, armhole
 from garmentimage.errors import DraftError
 from garmentimage.geometry import Bezier
@@ -52,36 +52,6 @@ CAP_TOL = 1e-6
 """How exactly the cap is as long as the armhole [cm]."""
 STEPS = 50
 """Most steps to find the width of a cap."""
-
-
-@dataclass(frozen=True)
-class SleeveDesign:
-    """Set-in sleeves."""
-
-    sleeves: str = choice("set-in", ("none", "set-in"), "with sleeves or without")
-    sleeve_length: float = parameter(
-        0.9, 0.4, 1.05, "arm length", "from the shoulder to the end of the sleeve"
-    )
-    cap_height: float = parameter(
-        0.5, 0.3, 0.6, "half the armhole", "how far the cap rises over the underarm"
-    )
-    cap_fullness: float = parameter(
-        1.0, 1.0, 1.4, "armhole", "length of the cap; above 1 it is gathered"
-    )
-    sleeve_taper: float = parameter(
-        0.6, -0.2, 1.0, "share", "1 is close to the arm, 0 straight, less flares like a bell"
-    )
-
-
-@dataclass(frozen=True)
-class CuffDesign:
-    """Cuffs of their own at the ends of the sleeves."""
-
-    cuffs: str = choice("none", ("none", "band"), "with cuffs or without")
-    cuff_depth: float = parameter(6.0, 4.0, 10.0, "cm", "along the arm")
-    cuff_fullness: float = parameter(
-        1.2, 1.0, 1.8, "cuff", "width of the sleeve where it joins the cuff; above 1 it is gathered"
-    )
 
 
 @dataclass(frozen=True)

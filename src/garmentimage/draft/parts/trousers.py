@@ -10,6 +10,7 @@ from typing import NamedTuple
 from garmentimage.body import BodyMeasurements
 from garmentimage.draft import rules
 from garmentimage.draft.assemble import Assembly
+from garmentimage.draft.designs import TrousersDesign
 from garmentimage.draft.panel import (
     BACK,
     FACINGS,
@@ -31,7 +32,6 @@ from garmentimage.draft.panel import (
     placed,
     plus_side,
 )
-from garmentimage.draft.parameters import parameter
 from garmentimage.draft.parts.bodice import BelowWaist, BodiceBlock
 from garmentimage.geometry import Bezier, Curve, Point
 
@@ -63,25 +63,6 @@ SEAM_STEPS = 50
 """Most steps that make the inside seams equally long; each divides the rest by about ten."""
 SEAM_EXACT = 1e-6
 """How exactly they are [cm]."""
-
-
-@dataclass(frozen=True)
-class TrousersDesign:
-    """The legs of trousers, shorts and jumpsuits."""
-
-    leg_length: float = parameter(
-        1.0,
-        0.15,
-        1.05,
-        "inside leg",
-        "from the crotch to the hem: 0.15 are shorts, 1 reaches the ankle",
-    )
-    hip_ease: float = parameter(6.0, 3.0, 16.0, "cm", "room at the hip, all round")
-    knee_ease: float = parameter(8.0, 3.0, 16.0, "cm", "room at the knee, all round")
-    leg_flare: float = parameter(
-        0.0, -4.0, 24.0, "cm", "how much wider the hem is than the knee: 0 straight, above 8 flared"
-    )
-    crotch_ease: float = parameter(1.5, 0.5, 4.0, "cm", "how far the crotch hangs below the body")
 
 
 class Leg(NamedTuple):

@@ -1,9 +1,8 @@
 """The waistband: a straight band in two panels."""
 
-from dataclasses import dataclass
-
 from garmentimage.body import BodyMeasurements
 from garmentimage.draft.assemble import Assembly
+from garmentimage.draft.designs import WaistbandDesign
 from garmentimage.draft.panel import (
     ALONG,
     BACK,
@@ -18,15 +17,6 @@ from garmentimage.draft.panel import (
     placed,
     plus_side,
 )
-from garmentimage.draft.parameters import choice, parameter
-
-
-@dataclass(frozen=True)
-class WaistbandDesign:
-    """A band round the waist."""
-
-    waistband: str = choice("band", ("none", "band"), "with a waistband or without")
-    waistband_depth: float = parameter(4.0, 3.0, 8.0, "cm", "height of the waistband")
 
 
 def add_waistband(

@@ -1,3 +1,6 @@
+from .parameter import (
+    as_json as as_json,
+)
 from .template import (
     Template as Template,
 )

@@ -55,11 +55,7 @@ class Run:
         return [first, *(loop.edges[k].end for k in self.edges)]
 
     def line(self, loop: Loop) -> Point:
-        """Unit direction in which the run's length is measured and changed.
-
-        Raises:
-            PatternError: the run's first and last vertex are one place.
-        """
+        """Unit direction in which the run's length is measured and changed."""
         x, y = self.along or self._chord(loop)
         length = hypot(x, y)
         if length < MIN_EDGE_LENGTH:
@@ -130,11 +126,7 @@ def bent(outlines: Outlines, bend: Bend, along: float, across: float) -> dict[st
 
 
 def equalising_factors(outlines: Outlines, runs: Sequence[Run]) -> list[float]:
-    """By how much to scale each run for all of them to have their present mean extent.
-
-    Raises:
-        PatternError: a run without extent, which no factor can change.
-    """
+    """By how much to scale each run for all of them to have their present mean extent."""
     extents = [run.extent(outlines[run.panel]) for run in runs]
     for run, extent in zip(runs, extents, strict=True):
         if abs(extent) < MIN_EDGE_LENGTH:

@@ -20,7 +20,7 @@ from garmentimage.draft.templates.influence import (
 from garmentimage.errors import PatternError, quoted
 from garmentimage.pattern.files import as_number
 
-Value = float | tuple[float, float]
+TemplateValue = float | tuple[float, float]
 """What a parameter is set to: one number, or two for a curve that moves along its edge too."""
 
 MIN_DRAW = 0.01
@@ -59,20 +59,16 @@ class TemplateParameter:
     """What a curve changes."""
 
     @property
-    def default(self) -> Value:
+    def default(self) -> TemplateValue:
         """The value that changes nothing; a template's range need not hold it."""
         return value_of([self.type.neutral] * len(self.ranges))
 
-    def draw(self, rng: np.random.Generator) -> Value:
+    def draw(self, rng: np.random.Generator) -> TemplateValue:
         """A value from the range, all equally likely."""
         return value_of([_drawn(low, high, rng) for low, high in self.ranges])
 
-    def checked(self, value: Any) -> Value:
-        """The value, if it is the default or in the range.
-
-        Raises:
-            PatternError: names the parameter and what it takes.
-        """
+    def checked(self, value: Any) -> TemplateValue:
+        """The value, if it is the default or in the range."""
         place = parameter_place(self.name)
         numbers = self.numbers(value, place)
         for number, (low, high) in zip(numbers, self.ranges, strict=True):
@@ -92,7 +88,7 @@ class TemplateParameter:
             raise PatternError(f"{place}: takes {wanted}, not {len(plain)}")
         return [as_number(v, place) for v in plain]
 
-    def applied(self, outlines: Outlines, value: Value) -> Outlines:
+    def applied(self, outlines: Outlines, value: TemplateValue) -> Outlines:
         """The outlines changed by this parameter."""
         match self.type:
             case ParameterType.LENGTH:
@@ -107,12 +103,8 @@ class TemplateParameter:
                     outlines = bent(outlines, bend, along, across)
         return outlines
 
-    def undone(self, outlines: Outlines, value: Value) -> Outlines:
-        """The outlines as they were before this parameter was applied.
-
-        Raises:
-            PatternError: the value is a factor of 0.
-        """
+    def undone(self, outlines: Outlines, value: TemplateValue) -> Outlines:
+        """The outlines as they were before this parameter was applied."""
         if self.type is ParameterType.ADDITIVE_LENGTH:
             inverse = [-v for v in _numbers(value)]
         elif 0 in _numbers(value):
@@ -150,17 +142,17 @@ def parameter_place(name: str) -> str:
     return f"parameter {quoted(name)}"
 
 
-def _numbers(value: Value) -> tuple[float, ...]:
+def _numbers(value: TemplateValue) -> tuple[float, ...]:
     return value if isinstance(value, tuple) else (value,)
 
 
-def value_of(numbers: Sequence[float]) -> Value:
+def value_of(numbers: Sequence[float]) -> TemplateValue:
     """One or two numbers as a parameter's value."""
     return numbers[0] if len(numbers) == 1 else (numbers[0], numbers[1])
 
 
-def as_json(value: Value) -> float | list[float]:
-    """A value as JSON gives it back."""
+def as_json(value: Any) -> Any:
+    """A value as JSON gives it back: tuples as lists."""
     return list(value) if isinstance(value, tuple) else value
 
 

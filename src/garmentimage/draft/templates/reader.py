@@ -13,7 +13,7 @@ from garmentimage.draft.templates.parameter import (
     Constraint,
     ParameterType,
     TemplateParameter,
-    Value,
+    TemplateValue,
     as_json,
     parameter_place,
     value_of,
@@ -67,9 +67,6 @@ def read_parts(data: Mapping[str, Any], pattern: Pattern) -> Parts:
     Args:
         data: the parsed file.
         pattern: what `read_spec` made of it.
-
-    Raises:
-        PatternError: names the parameter or constraint, and the panel and edge.
     """
     _check_edge_order(data["pattern"]["panels"])
     if not data.get("properties", {}).get("normalized_edge_loops"):
@@ -149,7 +146,7 @@ class _Reader:
         runs = tuple(self.run(panel, entry, where) for panel, entry, where in targets)
         return TemplateParameter(name, kind, ranges, runs=runs)
 
-    def value(self, parameter: TemplateParameter, given: Mapping[str, Any]) -> Value:
+    def value(self, parameter: TemplateParameter, given: Mapping[str, Any]) -> TemplateValue:
         """What the file's pattern was drawn with [cm for lengths]."""
         where = f"{parameter_place(parameter.name)}, value"
         numbers = parameter.numbers(given.get("value", parameter.default), where)

@@ -30,7 +30,7 @@ from garmentimage.draft.templates.influence import Outlines
 from garmentimage.draft.templates.parameter import (
     Constraint,
     TemplateParameter,
-    Value,
+    TemplateValue,
     as_json,
     parameter_place,
 )
@@ -73,7 +73,7 @@ class Template:
             warnings.warn(f"{shown_path(path)}: {finding}", PatternWarning, stacklevel=2)
         return cls(parts.pattern, parts.parameters, parts.constraints)
 
-    def draw(self, rng: np.random.Generator) -> dict[str, Value]:
+    def draw(self, rng: np.random.Generator) -> dict[str, TemplateValue]:
         """A value for each parameter, uniform in its range, as the published samples were drawn.
 
         They were drawn again where the pattern crossed itself; `with_values` refuses such values.
@@ -91,7 +91,8 @@ class Template:
         """
         for name in values:
             if name not in self.parameters:
-                raise PatternError(self._unknown(name))
+                hint = did_you_mean(quoted(name), map(quoted, self.parameters))
+                raise PatternError(f"{parameter_place(name)}: there is none; {hint}")
         given = {
             name: parameter.checked(values.get(name, parameter.default))
             for name, parameter in self.parameters.items()
@@ -105,7 +106,9 @@ class Template:
             raise type(error)(f"with these values of its parameters, {error}") from None
         return replace(drawn, extra=_recorded(self.pattern.extra, given, factors))
 
-    def _applied(self, values: Mapping[str, Value]) -> tuple[Outlines, dict[str, list[float]]]:
+    def _applied(
+        self, values: Mapping[str, TemplateValue]
+    ) -> tuple[Outlines, dict[str, list[float]]]:
         """The outlines for these values, and the factors of each constraint."""
         outlines: Outlines = {p.name: p.outline for p in self.pattern.panels}
         for name, parameter in self.parameters.items():
@@ -114,10 +117,6 @@ class Template:
         for constraint in self.constraints:
             outlines, factors[constraint.name] = constraint.applied(outlines)
         return outlines, factors
-
-    def _unknown(self, name: str) -> str:
-        hint = did_you_mean(quoted(name), map(quoted, self.parameters))
-        return f"{parameter_place(name)}: there is none; {hint}"
 
 
 def _check_sides(template: Pattern, drawn: Pattern) -> None:
@@ -129,7 +128,7 @@ def _check_sides(template: Pattern, drawn: Pattern) -> None:
 
 def _recorded(
     extra: Mapping[str, Any],
-    values: Mapping[str, Value],
+    values: Mapping[str, TemplateValue],
     factors: Mapping[str, Sequence[float]],
 ) -> dict[str, Any]:
     """The further fields of a drawn pattern: those of the template, with what was applied."""
