@@ -13,6 +13,7 @@ from hypothesis import assume, given, settings
 from garmentimage.body.body_measurements import measurements, presets
 from garmentimage.compare.comparison import compare_patterns
 from garmentimage.compare.validation import pattern_faults
+from garmentimage.draft.garments import MAKERS
 from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, PARTS, draft_pattern
 from garmentimage.draft.panel import FACINGS
 from garmentimage.draft.parameters import parameters_of
@@ -179,6 +180,10 @@ def test_larger_measurements_give_larger_panels(kind):
     assert [p.name for p in small.panels] == [p.name for p in large.panels]
     for a, b in zip(small.panels, large.panels, strict=True):
         assert b.outline.area > a.outline.area
+
+
+def test_every_kind_has_what_draws_it():
+    assert MAKERS.keys() == KINDS.keys()
 
 
 def test_each_girth_widens_what_covers_it():

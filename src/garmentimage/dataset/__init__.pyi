@@ -10,13 +10,13 @@ from .overview import (
     row_sheet as row_sheet,
 )
 from .read import (
-    garment_types as garment_types,
     has_split as has_split,
     parse_patterns as parse_patterns,
     raster_arrays as raster_arrays,
     read_rows as read_rows,
     read_tables as read_tables,
     shard_files as shard_files,
+    shard_metadata as shard_metadata,
 )
 from .recipe import (
     load_recipe as load_recipe,

@@ -114,13 +114,13 @@ def read_header(file: Path) -> ShardHeader:
     )
 
 
-def garment_types(folder: str | Path) -> tuple[str, ...]:
-    """All types of garments in the recipe of a dataset.
+def shard_metadata(file: Path) -> ShardMetadata:
+    """The metadata of a shard.
 
     Raises:
-        DatasetError: there is no dataset, or a shard is damaged.
+        DatasetError: it is damaged, or not a shard of garmentimage.
     """
-    return read_header(shard_files(folder)[0]).metadata.types
+    return read_header(file).metadata
 
 
 def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:

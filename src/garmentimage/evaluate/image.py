@@ -15,7 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from garmentimage.dataset import dataset_hash, garment_types, has_split, parse_patterns
+from garmentimage.dataset import (
+    dataset_hash,
+    has_split,
+    parse_patterns,
+    shard_files,
+    shard_metadata,
+)
 from garmentimage.errors import LearnError
 from garmentimage.evaluate.amounts import ImageAmounts
 from garmentimage.evaluate.garment import measure_garment
@@ -274,7 +280,11 @@ def load_garments(
 
     place = "validation" if validation else "test"
     if held_out:
-        without = {held_out} if split == "test" else {*garment_types(data)} - {held_out}
+        without = (
+            {held_out}
+            if split == "test"
+            else {*shard_metadata(shard_files(data)[0]).types} - {held_out}
+        )
         album = load_split(data, place, without=sorted(without))
     else:
         album = load_split(data, place if split == "test" else split)

@@ -10,7 +10,7 @@ import torch
 from jaxtyping import Bool, Float, Int8, Int16, UInt8
 from torch import Tensor
 
-from garmentimage.dataset import garment_types, raster_arrays, read_tables
+from garmentimage.dataset import raster_arrays, read_tables, shard_files, shard_metadata
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.learn.data.rasters import Rasters, from_channels
 from garmentimage.learn.data.rows import ImageRows
@@ -88,7 +88,7 @@ def load_split(folder: str | Path, split: str, *, without: Collection[str] = ())
     waists: list[np.ndarray] = []
     images: list[np.ndarray] = []
     columns: dict[str, list[str]] = {"id": [], "type": [], "pattern": []}
-    known = garment_types(folder)
+    known = shard_metadata(shard_files(folder, split)[0]).types
     for name in without:
         if name not in known:
             raise DatasetError(
