@@ -28,6 +28,10 @@ GAP = 2.0
 """Between panels that lie beside each other before they are sewn [cm]."""
 BODY_GAP = 3.0
 """Between the body and the panels in front of it and behind it [cm]."""
+HANDLE = 0.25
+"""Length of the handles of curves along the body, as a share of their height."""
+STRAIGHT = 1e-6
+"""A curve that leaves its chord by less is straight [cm]."""
 UPRIGHT, ALONG = (0.0, 1.0), (1.0, 0.0)
 """Grain lines: down the body, or along an arm or a band."""
 NO_ROTATION = (0.0, 0.0, 0.0)
@@ -88,6 +92,7 @@ def placed(
     facing: str,
     origin: Vector,
     *,
+    side: str = "",
     label: str = "body",
     holes: tuple[Loop, ...] = (),
     grain: Point = UPRIGHT,
@@ -99,10 +104,13 @@ def placed(
         outline: counter-clockwise, seen from outside.
         facing: front or back.
         origin: x and y of the panel's origin, and its distance from the body's middle [cm].
+        side: of the wearer, if it lies on one; it is drawn as on the side at positive x.
         label: part of the body.
         holes: clockwise, seen from outside.
         grain: direction of the warp.
     """
+    if side:
+        outline = on_side(outline if side == plus_side(facing) else mirrored(outline), side)
     x, y, depth = origin
     z, rotation = (-depth, BACK_ROTATION) if facing == BACK else (depth, NO_ROTATION)
     return PanelDraft(name, outline, (x, y, z), rotation, label, holes, grain)

@@ -12,6 +12,8 @@ HEAD_STRETCH = 1.3
 """How far a neckline stretches to let the head through; ribbed and bias edges do so easily."""
 MIN_STRAP_WIDTH = 2.5
 """Shortest shoulder seam that still holds a garment up [cm]."""
+WAIST_EASE = 2.0
+"""How much wider than the waist skirts and trousers are [cm]."""
 ARM_EASE = 2.0
 """Least that a sleeve is wider than the arm [cm]."""
 THIGH_EASE = 1.0

@@ -103,6 +103,9 @@ class Records:
     ) -> dict[Item, dict[str, Any]]:
         """The records of all items; missing ones are measured and stored.
 
+        An item whose process hung or died has a record `lost` with the reason, and is measured
+        again by the next run.
+
         Args:
             items: to measure.
             work: measures an item, in another process.
@@ -111,10 +114,6 @@ class Records:
             progress: called with the number of complete items, and of all.
             is_whole: whether a record has everything that is wanted of its item.
             begin: called with the items that will be measured, if any.
-
-        Returns:
-            By item; an item whose process hung or died has a record `lost` with the reason, and is
-            measured again by the next run.
         """
         found = {}
         for item in items:

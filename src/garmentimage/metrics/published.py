@@ -33,7 +33,8 @@ CLOSED_CM = 3.0
 """An open loop with a larger gap, in x or y, has one more edge [cm]."""
 MIN_EDGES = 3
 """Slots with fewer edges are not panels."""
-STRAIGHT = 1e-6
+EMPTY_ROW = 1e-6
+"""Rows of smaller magnitude are missing edges."""
 
 SlotStitch = frozenset[tuple[int, int]]
 """Two sides (slot, edge)."""
@@ -51,7 +52,7 @@ class Slots:
     @property
     def counts(self) -> tuple[int, ...]:
         """Edges of each slot: rows that are not padding."""
-        return tuple(int(n) for n in np.any(np.abs(self.edges) > STRAIGHT, axis=2).sum(1))
+        return tuple(int(n) for n in np.any(np.abs(self.edges) > EMPTY_ROW, axis=2).sum(1))
 
 
 def slots_of(

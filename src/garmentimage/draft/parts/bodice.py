@@ -25,6 +25,7 @@ from garmentimage.draft.panel import (
     GAP,
     LEFT,
     SIDES,
+    STRAIGHT,
     NamedCurve,
     Outline,
     PanelDraft,
@@ -32,8 +33,6 @@ from garmentimage.draft.panel import (
     layer_depth,
     lerp,
     lines,
-    mirrored,
-    on_side,
     other,
     placed,
     plus_side,
@@ -54,10 +53,8 @@ STEEPEST_SHOULDER = 0.6
 """Most fall of a shoulder seam, as a share of its length."""
 HIP_EASE_LEAST = 4.0
 """A hem at the hip or below is wider than the hip by at least this [cm]."""
-SHORT_PIECE = 4.0
+SHORT_SIDE = 4.0
 """A side seam continues below the hip as an edge of its own from this length on [cm]."""
-STRAIGHT_HEM = 1e-6
-"""A hem or side seam that leaves its chord by less is straight [cm]."""
 ROUND = 0.5523
 """Length of the handles of a quarter circle drawn as a cubic, in radii."""
 BOAT_WIDTH = 2.5
@@ -182,9 +179,9 @@ def below_waist(block: BodiceBlock, hem: HemDesign, drop: float) -> BelowWaist:
 def side_below_waist(block: BodiceBlock, corner: Point, flare: float) -> Outline:
     """The side seam from the hem's corner up to the waist; nothing where the hem is near it."""
     (wx, wy), (hx, hy), y = block.waist, block.hip, corner[1]
-    if y > wy - SHORT_PIECE:
+    if y > wy - SHORT_SIDE:
         return ()
-    bottom, lean = (corner, 0.0) if y > hy - SHORT_PIECE else ((hx, hy), flare)
+    bottom, lean = (corner, 0.0) if y > hy - SHORT_SIDE else ((hx, hy), flare)
     rise = wy - bottom[1]
     curve = Bezier(
         bottom,
@@ -198,7 +195,7 @@ def side_below_waist(block: BodiceBlock, corner: Point, flare: float) -> Outline
 def hem_curve(middle: Point, corner: Point, slope: float) -> Curve:
     """From the middle, where it has the given slope, to the corner at the side."""
     control = (0.5 * corner[0], middle[1] + 0.5 * slope * corner[0])
-    if abs(corner[1] - middle[1] - slope * corner[0]) < STRAIGHT_HEM:
+    if abs(corner[1] - middle[1] - slope * corner[0]) < STRAIGHT:
         return Line(middle, corner)
     return Bezier(middle, (control,), corner)
 
@@ -244,10 +241,9 @@ def trunk(
     middle = "cf" if facing == FRONT else "cb"
     panels = []
     for side in SIDES:
-        outline = on_side(closed(halves[side], middle), side)
-        outline = outline if side == plus else mirrored(outline)
-        x = GAP / 2 if side == LEFT else -GAP / 2
-        panels.append(placed(f"{side}_{facing}", outline, facing, (x, height, block.depth)))
+        origin = (GAP / 2 if side == LEFT else -GAP / 2, height, block.depth)
+        outline = closed(halves[side], middle)
+        panels.append(placed(f"{side}_{facing}", outline, facing, origin, side=side))
     return tuple(panels)
 
 
@@ -280,7 +276,7 @@ def cutout_holes(block: BodiceBlock, design: CutoutDesign) -> tuple[Loop, ...]:
 def upper_half(block: BodiceBlock, facing: str, start: Point) -> Outline:
     """A half from the side seam up to the middle of the neck."""
     (x, y), (ax, ay) = start, block.armpit
-    if abs(x - ax) < STRAIGHT_HEM:
+    if abs(x - ax) < STRAIGHT:
         side: Curve = Line(start, block.armpit)
     else:
         side = Bezier(start, ((x, y + 0.4 * (ay - y)), lerp(block.armpit, start, 0.3)), (ax, ay))

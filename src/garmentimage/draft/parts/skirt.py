@@ -8,6 +8,7 @@ from itertools import pairwise
 from math import hypot
 
 from garmentimage.body import BodyMeasurements
+from garmentimage.draft import rules
 from garmentimage.draft.assemble import Assembly
 from garmentimage.draft.designs import SkirtDesign
 from garmentimage.draft.panel import (
@@ -15,6 +16,8 @@ from garmentimage.draft.panel import (
     FACINGS,
     FRONT,
     GAP,
+    HANDLE,
+    STRAIGHT,
     NamedCurve,
     Outline,
     PanelDraft,
@@ -30,14 +33,8 @@ from garmentimage.geometry import Bezier, Curve, Line, Point
 
 HIP_EASE = 4.0
 """How much wider than the hip a skirt is [cm]."""
-WAIST_EASE = 2.0
-"""How much wider than the waist a skirt is [cm]."""
-HANDLE = 0.25
-"""Length of the handles of the hip curve, as a share of its height."""
 BELOW_HIP = 2.0
 """Least length of a skirt below the hip [cm]."""
-STRAIGHT = 1e-6
-"""A curve that leaves its chord by less is straight [cm]."""
 GORE_NAMES = {
     1: ("",),
     2: ("right_", "left_"),
@@ -117,7 +114,7 @@ def add_skirt(
     """
     count = design.gores // 2
     if waist is None:
-        waist = {f: (body.waist_girth + WAIST_EASE) / 2 for f in FACINGS}
+        waist = {f: (body.waist_girth + rules.WAIST_EASE) / 2 for f in FACINGS}
     tops = {f: design.skirt_fullness * waist[f] / count / 2 for f in FACINGS}
     hip = (body.hip_girth + HIP_EASE) / design.gores / 2
     hip_drop = body.waist_height - body.hip_height

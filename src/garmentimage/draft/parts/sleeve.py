@@ -27,10 +27,7 @@ from garmentimage.draft.panel import (
     PanelDraft,
     Seam,
     lines,
-    mirrored,
-    on_side,
     placed,
-    plus_side,
 )
 from garmentimage.draft.parts.bodice import BodiceBlock, armhole
 from garmentimage.errors import DraftError
@@ -168,7 +165,10 @@ def sleeve_panel(
         *lines("upper_seam", (half.length, 0.0), (0.0, 0.0)),
         NamedCurve("cap", half.cap),
     )
-    return _on_arm(f"{side}_sleeve_{facing}", outline, facing, side, block, x)
+    height = block.body.waist_height + block.shoulder[1] + SLEEVE_LIFT
+    origin = (x if side == LEFT else -x, height, block.depth)
+    name = f"{side}_sleeve_{facing}"
+    return placed(name, outline, facing, origin, side=side, label="arm", grain=ALONG)
 
 
 def beside(block: BodiceBlock, cap: Bezier, facing: str) -> float:
@@ -202,28 +202,9 @@ def add_cuff(
         drop = (garment.length(wrist) - width) / 2
         away = 1 if side == LEFT else -1
         origin = (x + away * (reach + GAP), y - drop, abs(z))
-        if side != plus_side(facing):
-            outline = mirrored(outline)
-        cuffs[facing] = placed(
-            f"{side}_cuff_{facing}",
-            on_side(outline, side),
-            facing,
-            origin,
-            label="arm",
-            grain=ALONG,
-        )
+        name = f"{side}_cuff_{facing}"
+        cuffs[facing] = placed(name, outline, facing, origin, side=side, label="arm", grain=ALONG)
         garment.add(cuffs[facing])
         garment.sew(wrist, cuffs[facing].seam("cuff_top"), fullness=design.cuff_fullness)
     for seam in ("cuff_upper", "cuff_under"):
         garment.sew(cuffs[FRONT].seam(seam), cuffs[BACK].seam(seam))
-
-
-def _on_arm(
-    name: str, outline: Outline, facing: str, side: str, block: BodiceBlock, x: float
-) -> PanelDraft:
-    away = 1 if side == LEFT else -1
-    if side != plus_side(facing):
-        outline = mirrored(outline)
-    height = block.body.waist_height + block.shoulder[1] + SLEEVE_LIFT
-    origin = (away * x, height, block.depth)
-    return placed(name, on_side(outline, side), facing, origin, label="arm", grain=ALONG)

@@ -16,6 +16,7 @@ from garmentimage.draft.panel import (
     FACINGS,
     FRONT,
     GAP,
+    HANDLE,
     LEFT,
     RIGHT,
     SIDES,
@@ -27,16 +28,11 @@ from garmentimage.draft.panel import (
     length,
     lerp,
     lines,
-    mirrored,
-    on_side,
     placed,
-    plus_side,
 )
 from garmentimage.draft.parts.bodice import BelowWaist, BodiceBlock
 from garmentimage.geometry import Bezier, Curve, Point
 
-WAIST_EASE = 2.0
-"""How much wider than the waist trousers are [cm]."""
 CROTCH_REACH = {FRONT: 1 / 18, BACK: 1 / 9}
 """How far the crotch reaches over the middle, in hip girths."""
 WAIST_LEAN = {FRONT: 1.0, BACK: 3.0}
@@ -49,9 +45,7 @@ CROTCH_HANDLE = 0.6
 """How far the crotch curve continues straight at both ends, as a share of its height and reach."""
 CROTCH_LIFT = 0.05
 """How much it rises towards the middle, as a share of its height."""
-HANDLE = 0.25
-"""Length of the handles of curves along the leg, as a share of their height."""
-SHORT_PIECE = 6.0
+SHORT_LEG = 6.0
 """A leg continues below the knee as an edge of its own from this length on [cm]."""
 JUMPSUIT_RISE = 3.0
 """How much deeper than that of trousers the crotch of a jumpsuit lies [cm]."""
@@ -107,14 +101,9 @@ def add_trousers(
         thigh += reach + _hip_width(body, design)
         for side in SIDES:
             x = reach + GAP / 2 if side == LEFT else -reach - GAP / 2
-            own = outline if side == plus_side(facing) else mirrored(outline)
-            panels[facing, side] = placed(
-                f"{side}_trouser_{facing}",
-                on_side(own, side),
-                facing,
-                (x, height, layer_depth(body)),
-                label="leg",
-            )
+            origin = (x, height, layer_depth(body))
+            name = f"{side}_trouser_{facing}"
+            panels[facing, side] = placed(name, outline, facing, origin, side=side, label="leg")
     garment.add(*panels.values())
     rules.check_thigh(thigh, body.thigh_girth)
     for side in SIDES:
@@ -147,7 +136,7 @@ def leg_outline(
     hip = (_hip_width(body, design), body.hip_height - body.waist_height)
     if waist is None:
         # Front and back share the corner at the side, so that their side seams are equal.
-        whole = (body.waist_girth + WAIST_EASE) / 2 + sum(WAIST_LEAN.values())
+        whole = (body.waist_girth + rules.WAIST_EASE) / 2 + sum(WAIST_LEAN.values())
         corner, middle = (whole / 2, 0.0), (WAIST_LEAN[facing], WAIST_RISE[facing])
     else:
         corner, middle = (waist / 2, 0.0), (0.0, 0.0)
@@ -213,7 +202,7 @@ class LegLines:
         knee = body.knee_height - body.waist_height
         hem = level - design.leg_length * (body.crotch_height - body.ankle_height)
         quarter, flare = (body.knee_girth + design.knee_ease) / 4, design.leg_flare / 4
-        if hem < knee - SHORT_PIECE:
+        if hem < knee - SHORT_LEG:
             inner_knee, outer_knee = self._row(quarter, knee)
             inner_hem, outer_hem = self._row(quarter + flare, hem)
             below = lines("inseam", inner_knee, inner_hem)
