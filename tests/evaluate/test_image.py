@@ -47,7 +47,9 @@ def measured(pictured, runs, tmp_path_factory):
     words = ["evaluate", "image", "--data", pictured, "-o", out, *SMALL]
     for name, run in (("ours", "cascade-0"), ("ours", "cascade-1"), ("pool", "panel-pool")):
         words += ["--network", f"{name}={runs / run}"]
-    assert main([*map(str, words)]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("garmentimage.evaluate.figure.MAX_SHOWN", 1)
+        assert main([*map(str, words)]) == 0
     return out, list(map(str, words))
 
 
@@ -71,12 +73,13 @@ def test_a_table_has_all_guessers_and_both_kinds_of_garments(measured):
         assert np.asarray(Image.open(out / name)).shape[1] > 1000
 
 
-def test_the_log_tells_when_the_test_splits_were_opened(measured):
+def test_the_log_tells_when_the_test_splits_were_opened(measured, monkeypatch):
     out, words = measured
     lines = (out / "opened.jsonl").read_text().splitlines()
     told = json.loads(lines[0])
     assert len(lines) == 1 and told["garments"]["unseen"] > 0 and told["when"].startswith("20")
     records = {f.name: f.read_bytes() for f in out.glob("*.jsonl")}
+    monkeypatch.setattr("garmentimage.evaluate.draw_prediction_figures", lambda *_: None)
     assert main(words) == 0  # everything is there: nothing is opened again
     assert {f.name: f.read_bytes() for f in out.glob("*.jsonl")} == records
 

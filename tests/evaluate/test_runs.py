@@ -1,4 +1,4 @@
-"""Evaluations go on where they were stopped, and refuse what does not go with their records."""
+"""Evaluations resume where they were stopped, and refuse records of others."""
 
 import json
 

@@ -90,6 +90,7 @@ def test_a_table_has_everyone_who_edits(trained, tmp_path, monkeypatch, capsys):
     before = {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")}
     assert told["editors"][0]["space"] == str(folder / "vae" / "model")
     monkeypatch.setattr("garmentimage.networks.WEIGHTS_FOLDER", folder / "vae")
+    monkeypatch.setattr("garmentimage.evaluate.draw_text_edits", lambda *_: None)
     assert main(list(map(str, words))) == 0  # nothing is left to do
     assert {f.name: f.read_bytes() for f in (tmp_path / "out").glob("*.jsonl")} == before
     told = json.loads((tmp_path / "out" / "result.json").read_text())

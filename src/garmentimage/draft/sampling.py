@@ -98,9 +98,9 @@ def sample(
     if isinstance(found, Kind):
         values = checked_values(found.parameters, fixed, f"kind {found.name}")
         fixed = {name: values[name] for name in fixed}
-    for name, number, low in (("count", count, 0), ("first", first, 0), ("seed", seed, 0)):
-        if not low <= number < SEED_LIMIT:
-            raise DraftError(f"{name} is {number}; give a whole number from {low}")
+    for name, number in {"count": count, "first": first, "seed": seed}.items():
+        if not 0 <= number < SEED_LIMIT:
+            raise DraftError(f"{name} is {number}; give a whole number from 0")
     if isinstance(body, BodyMeasurements):
         body.check()
     elif body != ANY_BODY:
