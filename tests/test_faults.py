@@ -18,7 +18,7 @@ from garmentimage import decode, load_image
 from garmentimage.cli.app import main
 from garmentimage.compare.comparison import compare_patterns
 from garmentimage.drape.files.glb import load_drape
-from garmentimage.drape.girths import girth
+from garmentimage.drape.girths import trunk_girth
 from garmentimage.drape.mesh.rest import rest_of
 from garmentimage.drape.solver.distance_field import body_field
 from garmentimage.drape.verdict.openings import openings
@@ -283,7 +283,7 @@ def _holding(body, waist, edge):
     """Height at which the body is thick enough to hold a closed edge: the waist, or below it."""
     length = np.linalg.norm(edge - np.roll(edge, 1, axis=0), axis=1).sum()
     levels = np.arange(waist, waist - HIPS_CM, -1.0)
-    return next((y for y in levels if girth(body, y) >= length - DRAWN_CM), waist)
+    return next((y for y in levels if trunk_girth(body, y) >= length - DRAWN_CM), waist)
 
 
 def _upper_edges(faces, points):

@@ -9,7 +9,7 @@ from garmentimage.body.body_measurements import presets
 from garmentimage.body.measure import measure
 from garmentimage.draft.kinds import draft_pattern, kinds
 from garmentimage.drape.draping import drape_pattern
-from garmentimage.drape.girths import chest_level, girth, waist_height
+from garmentimage.drape.girths import chest_level, trunk_girth, waist_height
 from garmentimage.drape.start.placement import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, place_on_body
 from garmentimage.drape.support import SupportSite
 from garmentimage.errors import DraftError, DrapeError
@@ -148,9 +148,9 @@ def test_a_top_edge_holds_only_where_the_body_is_hardly_less_round(name, length)
     _, (report,) = place_on_body(tube(length), body)
     assert report.site is SupportSite.WAIST and report.length == pytest.approx(length)
     if report.is_supported:
-        assert girth(body, report.level) >= length - EASE
+        assert trunk_girth(body, report.level) >= length - EASE
     else:
-        assert girth(body, body.landmarks["crotch"][1] + 1.0) < length - EASE + 2.0
+        assert trunk_girth(body, body.landmarks["crotch"][1] + 1.0) < length - EASE + 2.0
 
 
 def test_a_skirt_a_little_too_wide_for_the_waist_sits_on_the_hips():
@@ -175,7 +175,7 @@ def test_an_edge_labelled_for_the_waist_is_drawn_together_as_by_an_elastic():
     body = load_body()
     gathered = draft_pattern("skirt", waistband="none", skirt_fullness=1.8)
     _, (report,) = place_on_body(gathered, body)
-    assert report.is_supported and 0 < report.drawn_length < girth(body, waist_height(body))
+    assert report.is_supported and 0 < report.drawn_length < trunk_girth(body, waist_height(body))
     _, (plain,) = place_on_body(unnamed(gathered, labels=False), body)
     assert not plain.is_supported and plain.drawn_length == plain.length
 

@@ -1,5 +1,7 @@
 from .body import (
     Body as Body,
+    Points3 as Points3,
+    Vector3 as Vector3,
     load_body as load_body,
 )
 from .body_measurements import (

@@ -22,6 +22,9 @@ MIDDLE_HEIGHT = 100.0
 TOPOLOGY_FILE = "topology.npz"
 """Faces and landmark names, which all shipped bodies share."""
 
+Vector3 = Float[np.ndarray, " 3"]
+Points3 = Float[np.ndarray, "_ 3"]
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -39,7 +42,7 @@ class Body:
     """Name of the shipped body."""
     pose: str
     """One of `POSES`."""
-    landmarks: Mapping[str, Float[np.ndarray, " 3"]]
+    landmarks: Mapping[str, Vector3]
     """Named points [cm]: on the skin (`cervical`, `waist_front`, `left_neck_point`, ...), and the
     joints within (`left_shoulder_joint`, ...)."""
 
@@ -64,8 +67,8 @@ def load_body(name: str = "mean-female", pose: str = "t") -> Body:
 @cache
 def _load(name: str, pose: str) -> Body:
     points = read_points(_arrays(f"{name}.npz")[pose])
-    faces = _topology()["faces"].astype(np.int32)
-    names = _topology()["landmarks"].tolist()
+    topology = _arrays(TOPOLOGY_FILE)
+    faces, names = topology["faces"].astype(np.int32), topology["landmarks"].tolist()
     skin = len(points) - len(names)
     for array in (points, faces):
         array.setflags(write=False)
@@ -74,10 +77,6 @@ def _load(name: str, pose: str) -> Body:
 
 
 @cache
-def _topology() -> dict[str, np.ndarray]:
-    return _arrays(TOPOLOGY_FILE)
-
-
 def _arrays(file_name: str) -> dict[str, np.ndarray]:
     with (
         files("garmentimage.body").joinpath("data", file_name).open("rb") as file,

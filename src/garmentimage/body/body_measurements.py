@@ -15,94 +15,98 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Annotated, Any, get_type_hints
 
 from garmentimage.errors import DraftError, quoted
-from garmentimage.system import did_you_mean, shown_path, write_atomically
+from garmentimage.system import did_you_mean, errors_about, write_atomically
 
 SHIPPED_FILE = "measurements.json"
 """The records of the shipped bodies, in the package's `body/data`."""
-SHOWN = 5
+MAX_SHOWN = 5
 """Names of missing measurements that a message shows."""
 
 
 @dataclass(frozen=True)
 class BodyMeasurements:
-    """One adult body as a drafter needs it; every field in cm, the body standing upright."""
+    """One adult body as a drafter needs it; every field in cm, the body standing upright.
 
-    stature: float
+    Beside each field stand its smallest and its largest value.
+    """
+
+    stature: Annotated[float, 130, 220]
     """Floor to the top of the head."""
-    cervical_height: float
+    cervical_height: Annotated[float, 105, 195]
     """Floor to the 7th neck vertebra."""
-    neck_point_height: float
+    neck_point_height: Annotated[float, 105, 195]
     """Floor to the neck point."""
-    shoulder_height: float
+    shoulder_height: Annotated[float, 100, 190]
     """Floor to the shoulder point."""
-    bust_height: float
+    bust_height: Annotated[float, 85, 170]
     """Floor to the level of the bust points."""
-    waist_height: float
+    waist_height: Annotated[float, 70, 150]
     """Floor to the natural waist."""
-    hip_height: float
+    hip_height: Annotated[float, 55, 125]
     """Floor to where the seat stands out most."""
-    crotch_height: float
+    crotch_height: Annotated[float, 45, 115]
     """Floor to the crotch, along the inside of the leg."""
-    knee_height: float
+    knee_height: Annotated[float, 28, 70]
     """Floor to the middle of the kneecap."""
-    ankle_height: float
+    ankle_height: Annotated[float, 4, 20]
     """Floor to where the leg is thinnest above the ankle."""
 
-    head_girth: float
+    head_girth: Annotated[float, 45, 70]
     """Round the head above the brows."""
-    neck_base_girth: float
+    neck_base_girth: Annotated[float, 28, 70]
     """Round the base of the neck: cervical, both neck points, the pit between the collar bones."""
-    bust_girth: float
+    bust_girth: Annotated[float, 60, 190]
     """Level, over the bust points."""
-    underbust_girth: float
+    underbust_girth: Annotated[float, 50, 180]
     """Level, just below the breasts."""
-    waist_girth: float
+    waist_girth: Annotated[float, 45, 190]
     """Level, at the natural waist."""
-    hip_girth: float
+    hip_girth: Annotated[float, 60, 200]
     """Level, where the seat stands out most."""
-    thigh_girth: float
+    thigh_girth: Annotated[float, 30, 110]
     """Round one leg, just below the crotch."""
-    knee_girth: float
+    knee_girth: Annotated[float, 24, 75]
     """Round one knee, at the middle of the kneecap."""
-    calf_girth: float
+    calf_girth: Annotated[float, 22, 75]
     """Round the thickest place of one calf."""
-    ankle_girth: float
+    ankle_girth: Annotated[float, 15, 45]
     """Round the thinnest place of one leg above the ankle."""
-    upper_arm_girth: float
+    upper_arm_girth: Annotated[float, 16, 70]
     """Round one arm, midway from shoulder point to elbow."""
-    wrist_girth: float
+    wrist_girth: Annotated[float, 11, 30]
     """Round one wrist."""
 
-    shoulder_length: float
+    shoulder_length: Annotated[float, 7, 22]
     """Neck point to shoulder point, on one side."""
-    shoulder_width: float
+    shoulder_width: Annotated[float, 26, 65]
     """Left to right shoulder point, straight."""
-    across_back: float
+    across_back: Annotated[float, 22, 65]
     """Left to right armhole line over the back, near the middle of the armhole."""
-    across_front: float
+    across_front: Annotated[float, 20, 65]
     """Left to right armhole line over the chest, near the middle of the armhole."""
-    bust_point_distance: float
+    bust_point_distance: Annotated[float, 10, 40]
     """Left to right bust point, straight."""
-    back_waist_length: float
+    back_waist_length: Annotated[float, 26, 65]
     """Cervical to waist along the middle of the back."""
-    front_waist_length: float
+    front_waist_length: Annotated[float, 28, 80]
     """Neck point over the bust point to the waist."""
-    armscye_depth: float
+    armscye_depth: Annotated[float, 12, 40]
     """Cervical down the back to the level of the armpits."""
-    arm_length: float
+    arm_length: Annotated[float, 38, 85]
     """Shoulder point over the elbow to the wrist."""
-    total_crotch_length: float
+    total_crotch_length: Annotated[float, 45, 140]
     """Front waist through between the legs to the back waist."""
-    bust_depth: float
+    bust_depth: Annotated[float, 12, 60]
     """Front to back of the trunk at bust level."""
-    waist_depth: float
+    waist_depth: Annotated[float, 10, 65]
     """Front to back of the trunk at waist level."""
-    hip_depth: float
+    hip_depth: Annotated[float, 12, 65]
     """Front to back of the trunk at hip level."""
 
     def check(self) -> None:
@@ -111,12 +115,27 @@ class BodyMeasurements:
         Raises:
             DraftError: a measurement is out of its range, or two contradict each other.
         """
+        values = asdict(self)
         for name, (low, high) in RANGES.items():
-            _check_range(name, getattr(self, name), low, high)
-        for smaller, larger in ORDERED:
-            _check_order(self, smaller, larger)
-        for part, whole in PARTS:
-            _check_sum(self, part, whole)
+            if not low <= values[name] <= high:
+                raise DraftError(
+                    f"{name} is {values[name]:g} cm, which no adult body has; "
+                    f"give {low:g} to {high:g} cm"
+                )
+        for smaller, larger in (pair for names in ORDERED for pair in pairwise(names)):
+            if not values[smaller] < values[larger]:
+                raise DraftError(
+                    f"{smaller} is {values[smaller]:g} cm and {larger} {values[larger]:g} cm, but "
+                    "on every body the first is the smaller; measure both again"
+                )
+        for (first, second), girth in PARTS:
+            length = values[first] + values[second]
+            if not length < values[girth]:
+                text = f"twice {first}" if first == second else f"{first} and {second}"
+                raise DraftError(
+                    f"{text} make {length:g} cm, but {girth}, which goes round them, is "
+                    f"{values[girth]:g} cm; measure them again"
+                )
 
     def to_json(self) -> str:
         """The record as one JSON object, fields in the order of the class."""
@@ -142,59 +161,17 @@ class BodyMeasurements:
 
 RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
-        "stature": (130.0, 220.0),
-        "cervical_height": (105.0, 195.0),
-        "neck_point_height": (105.0, 195.0),
-        "shoulder_height": (100.0, 190.0),
-        "bust_height": (85.0, 170.0),
-        "waist_height": (70.0, 150.0),
-        "hip_height": (55.0, 125.0),
-        "crotch_height": (45.0, 115.0),
-        "knee_height": (28.0, 70.0),
-        "ankle_height": (4.0, 20.0),
-        "head_girth": (45.0, 70.0),
-        "neck_base_girth": (28.0, 70.0),
-        "bust_girth": (60.0, 190.0),
-        "underbust_girth": (50.0, 180.0),
-        "waist_girth": (45.0, 190.0),
-        "hip_girth": (60.0, 200.0),
-        "thigh_girth": (30.0, 110.0),
-        "knee_girth": (24.0, 75.0),
-        "calf_girth": (22.0, 75.0),
-        "ankle_girth": (15.0, 45.0),
-        "upper_arm_girth": (16.0, 70.0),
-        "wrist_girth": (11.0, 30.0),
-        "shoulder_length": (7.0, 22.0),
-        "shoulder_width": (26.0, 65.0),
-        "across_back": (22.0, 65.0),
-        "across_front": (20.0, 65.0),
-        "bust_point_distance": (10.0, 40.0),
-        "back_waist_length": (26.0, 65.0),
-        "front_waist_length": (28.0, 80.0),
-        "armscye_depth": (12.0, 40.0),
-        "arm_length": (38.0, 85.0),
-        "total_crotch_length": (45.0, 140.0),
-        "bust_depth": (12.0, 60.0),
-        "waist_depth": (10.0, 65.0),
-        "hip_depth": (12.0, 65.0),
+        name: hint.__metadata__
+        for name, hint in get_type_hints(BodyMeasurements, include_extras=True).items()
     }
 )
 """Smallest and largest value of each measurement [cm]: wider than any adult that tables list."""
 
 ORDERED = (
-    ("ankle_height", "knee_height"),
-    ("knee_height", "crotch_height"),
-    ("crotch_height", "hip_height"),
-    ("hip_height", "waist_height"),
-    ("waist_height", "bust_height"),
-    ("bust_height", "shoulder_height"),
-    ("shoulder_height", "neck_point_height"),
-    ("shoulder_height", "cervical_height"),
-    ("neck_point_height", "stature"),
-    ("cervical_height", "stature"),
-    ("thigh_girth", "hip_girth"),
-    ("knee_girth", "thigh_girth"),
-    ("ankle_girth", "knee_girth"),
+    ("ankle_height", "knee_height", "crotch_height", "hip_height", "waist_height", "bust_height"),
+    ("bust_height", "shoulder_height", "neck_point_height", "stature"),
+    ("shoulder_height", "cervical_height", "stature"),
+    ("ankle_girth", "knee_girth", "thigh_girth", "hip_girth"),
     ("ankle_girth", "calf_girth"),
     ("wrist_girth", "upper_arm_girth"),
     ("underbust_girth", "bust_girth"),
@@ -202,7 +179,7 @@ ORDERED = (
     ("armscye_depth", "back_waist_length"),
     ("bust_point_distance", "across_front"),
 )
-"""Pairs of which the first is smaller than the second on every body."""
+"""Measurements of which each is smaller than the next on every body."""
 
 PARTS = (
     (("bust_depth", "bust_depth"), "bust_girth"),
@@ -246,17 +223,17 @@ def load_measurements(path: str | os.PathLike[str]) -> BodyMeasurements:
     Raises:
         DraftError: the file cannot be read, or is not the record of a possible body.
     """
-    try:
-        return BodyMeasurements.from_json(Path(path).read_text("utf-8"))
-    except DraftError as error:
-        raise DraftError(f"{shown_path(path)}: {error}") from None
-    except UnicodeDecodeError:
-        raise DraftError(f"{shown_path(path)}: is not text; save it as UTF-8 JSON") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise DraftError(
-            f"{shown_path(path)}: cannot be read ({reason}); name a file of body measurements"
-        ) from None
+    with errors_about(path):
+        try:
+            text = Path(path).read_text("utf-8")
+        except UnicodeDecodeError:
+            raise DraftError("is not text; save it as UTF-8 JSON") from None
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise DraftError(
+                f"cannot be read ({reason}); name a file of body measurements"
+            ) from None
+        return BodyMeasurements.from_json(text)
 
 
 def save_measurements(path: str | os.PathLike[str], record: BodyMeasurements) -> None:
@@ -279,8 +256,8 @@ def _numbers(data: Any) -> dict[str, float]:
             raise DraftError(f"there is no measurement {quoted(name)}; {hint}")
     missing = [name for name in NAMES if name not in data]
     if missing:
-        more = f" and {len(missing) - SHOWN} more" if len(missing) > SHOWN else ""
-        names = ", ".join(missing[:SHOWN])
+        more = f" and {len(missing) - MAX_SHOWN} more" if len(missing) > MAX_SHOWN else ""
+        names = ", ".join(missing[:MAX_SHOWN])
         raise DraftError(f"the measurements lack {names}{more}; add what is missing [cm]")
     return {name: _number(name, data[name]) for name in NAMES}
 
@@ -292,29 +269,3 @@ def _number(name: str, value: Any) -> float:
         return float(value)
     except OverflowError:  # an integer beyond every float
         return math.inf
-
-
-def _check_range(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise DraftError(
-            f"{name} is {value:g} cm, which no adult body has; give {low:g} to {high:g} cm"
-        )
-
-
-def _check_order(body: BodyMeasurements, smaller: str, larger: str) -> None:
-    a, b = getattr(body, smaller), getattr(body, larger)
-    if not a < b:
-        raise DraftError(
-            f"{smaller} is {a:g} cm and {larger} {b:g} cm, but on every body the first is the "
-            "smaller; measure both again"
-        )
-
-
-def _check_sum(body: BodyMeasurements, parts: tuple[str, str], girth: str) -> None:
-    length, tape = sum(getattr(body, part) for part in parts), getattr(body, girth)
-    if not length < tape:
-        text = f"twice {parts[0]}" if parts[0] == parts[1] else " and ".join(parts)
-        raise DraftError(
-            f"{text} make {length:g} cm, but {girth}, which goes round them, is {tape:g} cm; "
-            "measure them again"
-        )

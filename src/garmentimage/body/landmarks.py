@@ -6,10 +6,9 @@ neck points differ by up to 1.5 cm from them, waists by up to 2 cm and shoulder 
 """
 
 import numpy as np
-from jaxtyping import Float
 
-from garmentimage.body.body import Body
-from garmentimage.body.measure import ACROSS, cut, skin_on_line
+from garmentimage.body.body import Body, Points3, Vector3
+from garmentimage.body.measure import ACROSS, UP, cut, skin_on_line
 from garmentimage.errors import DraftError
 
 NECK_POINT = 0.849
@@ -33,10 +32,8 @@ HIP = 0.065
 KNEE, ANKLE = 0.29, 0.046
 """Heights of the leg's joints, as shares of the stature."""
 
-Vector = Float[np.ndarray, " 3"]
 
-
-def trunk_section(body: Body) -> Float[np.ndarray, "point 3"]:
+def trunk_section(body: Body) -> Points3:
     """Where the plane of symmetry cuts the skin, as points in no particular order.
 
     Raises:
@@ -48,7 +45,7 @@ def trunk_section(body: Body) -> Float[np.ndarray, "point 3"]:
     return np.concatenate(rings)
 
 
-def mark(body: Body) -> tuple[dict[str, Vector], float]:
+def mark(body: Body) -> tuple[dict[str, Vector3], float]:
     """Landmarks of the wearer's middle and left side [cm], and the depth halfway through the waist.
 
     Args:
@@ -83,7 +80,7 @@ def mark(body: Body) -> tuple[dict[str, Vector], float]:
     return place, (back + front) / 2
 
 
-def _depths(body: Body, point: Vector) -> tuple[float, float]:
+def _depths(body: Body, point: Vector3) -> tuple[float, float]:
     """Where the line from back to front through a point enters the skin and leaves it [cm]."""
     hits = skin_on_line(body, 2, point)
     if len(hits) < 2:
@@ -94,8 +91,7 @@ def _depths(body: Body, point: Vector) -> tuple[float, float]:
     return float(hits.min()), float(hits.max())
 
 
-def _shoulder(body: Body, stature: float) -> Vector:
-    """The wearer's left shoulder joint."""
+def _shoulder(body: Body, stature: float) -> Vector3:
     x = SHOULDER * stature
     ring = max(cut(body, x * ACROSS, ACROSS), key=lambda points: points[:, 1].max())
     top = ring[ring[:, 1].argmax()]
@@ -104,10 +100,9 @@ def _shoulder(body: Body, stature: float) -> Vector:
     return point
 
 
-def _leg_middle(body: Body, height: float) -> Vector:
+def _leg_middle(body: Body, height: float) -> Vector3:
     """The middle of the wearer's left leg at a height."""
-    point = np.array([0.0, height, 0.0])
-    rings = [r for r in cut(body, point, np.array([0.0, 1.0, 0.0])) if r[:, 0].min() > 0]
+    rings = [r for r in cut(body, height * UP, UP) if r[:, 0].min() > 0]
     if not rings:
         raise DraftError(f"has no leg of its own at {height:.0f} cm over the floor; stand it apart")
     ring = max(rings, key=len)

@@ -9,10 +9,11 @@ points. Every rule uses points that the arms do not move, so the pose does not m
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from garmentimage.body.body import Body
+from garmentimage.body.body import Body, Points3, Vector3
 from garmentimage.body.body_measurements import BodyMeasurements
+from garmentimage.geometry import component_labels
 
 HIP_RANGE = (0.25, 0.75)
 """Share of the way from crotch to waist in which the seat stands out most."""
@@ -39,8 +40,6 @@ STRIP = 3.0
 ON_EDGE = 1e-9
 """How far outside a triangle, as a share of it, a line still hits it."""
 
-Vector = Float[np.ndarray, " 3"]
-Points = Float[np.ndarray, "point 3"]
 Flat = Float[np.ndarray, "point 2"]
 Vector2 = Float[np.ndarray, " 2"]
 
@@ -88,44 +87,34 @@ def measure(body: Body) -> BodyMeasurements:
     return BodyMeasurements(**{name: round(float(value), 1) for name, value in values.items()})
 
 
-def cut(body: Body, point: Vector, normal: Vector) -> list[Points]:
+def cut(body: Body, point: Vector3, normal: Vector3) -> list[Points3]:
     """The outlines in which a plane cuts the mesh, each as its points in no particular order."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     height = (body.vertices - point) @ normal
     above = height > 0
     crossed = body.faces[above[body.faces].any(1) & ~above[body.faces].all(1)]
-    ends, face = _crossing_edges(crossed, above)
+    sides = np.concatenate([crossed[:, [0, 1]], crossed[:, [1, 2]], crossed[:, [2, 0]]])
+    crosses = above[sides[:, 0]] != above[sides[:, 1]]
+    ends, face = sides[crosses], np.tile(np.arange(len(crossed)), 3)[crosses]
     # One number for both directions of an edge, as whole rows are slow to compare.
     number = ends.min(1).astype(np.int64) * len(height) + ends.max(1)
     edges, index = np.unique(number, return_inverse=True)
     # Each cut face joins the two of its edges that the plane crosses.
     pair = index[np.argsort(face, kind="stable")].reshape(-1, 2)
-    joined = coo_array((np.ones(len(pair)), tuple(pair.T)), shape=(len(edges), len(edges)))
-    count, outline = connected_components(joined, directed=False)
+    outline = component_labels(len(edges), pair)
     a, b = np.divmod(edges, len(height))
     share = height[a] / (height[a] - height[b])
     points = body.vertices[a] + share[:, None] * (body.vertices[b] - body.vertices[a])
-    return [points[outline == k] for k in range(count)]
+    return [points[outline == k] for k in range(outline.max(initial=-1) + 1)]
 
 
-def _crossing_edges(
-    faces: Int[np.ndarray, "face 3"], above: np.ndarray
-) -> tuple[Int[np.ndarray, "edge 2"], Int[np.ndarray, " edge"]]:
-    """Sides of the faces with one end above the plane, and the face of each."""
-    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    owner = np.tile(np.arange(len(faces)), 3)
-    crosses = above[sides[:, 0]] != above[sides[:, 1]]
-    return sides[crosses], owner[crosses]
-
-
-def outline_at(body: Body, point: Vector, normal: Vector) -> Points:
+def outline_at(body: Body, point: Vector3, normal: Vector3) -> Points3:
     """The outline of a cut whose middle lies nearest to `point`."""
-    return min(cut(body, point, normal), key=lambda ring: _distance(_middle(ring), point))
+    return min(
+        cut(body, point, normal), key=lambda ring: _distance((ring.min(0) + ring.max(0)) / 2, point)
+    )
 
 
-def trunk_outline(body: Body, height: float) -> Points:
+def trunk_outline(body: Body, height: float) -> Points3:
     """The outline of the trunk in a level cut; below the crotch there is none."""
     return outline_at(body, height * UP, UP)
 
@@ -156,7 +145,7 @@ def taut_length(points: Flat, start: Vector2, end: Vector2) -> float:
     return taut_girth(np.vstack([start, end, over])) - chord if len(over) else chord
 
 
-def skin_on_line(body: Body, axis: int, point: Vector) -> Float[np.ndarray, " hit"]:
+def skin_on_line(body: Body, axis: int, point: Vector3) -> Float[np.ndarray, " hit"]:
     """Coordinates [cm] along an axis where the line through `point` in its direction meets skin."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     a, b, c = np.moveaxis(body.vertices[body.faces] - point, 1, 0)
@@ -169,7 +158,7 @@ def skin_on_line(body: Body, axis: int, point: Vector) -> Float[np.ndarray, " hi
     return crossings
 
 
-def shoulder_point(body: Body) -> Vector:
+def shoulder_point(body: Body) -> Vector3:
     """The wearer's left shoulder point [cm]: the skin above the outer half of the joint."""
     joint = body.landmarks["left_shoulder_joint"]
     below = joint * [1 + ACROMION_OFFSET, 1, 1]
@@ -196,7 +185,7 @@ def _leg(body: Body) -> dict[str, float]:
     }
 
 
-def _arm(body: Body, shoulder: Vector) -> dict[str, float]:
+def _arm(body: Body, shoulder: Vector3) -> dict[str, float]:
     """The arm as it hangs, when shoulder point, joint, elbow and wrist lie below each other."""
     place = body.landmarks
     joint, elbow, wrist = (place[f"left_{name}_joint"] for name in ("shoulder", "elbow", "wrist"))
@@ -208,7 +197,7 @@ def _arm(body: Body, shoulder: Vector) -> dict[str, float]:
     }
 
 
-def _limb_girth(body: Body, point: Vector, axis: Vector) -> float:
+def _limb_girth(body: Body, point: Vector3, axis: Vector3) -> float:
     """Girth of the limb round `point`, square to its axis."""
     return girth(outline_at(body, point, axis), axis)
 
@@ -225,7 +214,7 @@ def _bust_girth(body: Body) -> float:
     return girth(tape, UP)
 
 
-def _slanted_girth(body: Body, front: Vector, back: Vector) -> float:
+def _slanted_girth(body: Body, front: Vector3, back: Vector3) -> float:
     """Girth in the plane through two points of the middle, front and back, level sideways."""
     normal = np.cross(ACROSS, back - front)
     return girth(outline_at(body, (front + back) / 2, normal), normal)
@@ -242,7 +231,7 @@ def _neck_base_girth(body: Body) -> float:
     return float(np.pi * (3 * (a + b) - np.sqrt((3 * a + b) * (a + 3 * b))))
 
 
-def girth(outline: Points, normal: Vector) -> float:
+def girth(outline: Points3, normal: Vector3) -> float:
     """Tape round an outline that lies in a plane of the given normal."""
     first = np.cross(normal, FORWARD if abs(normal[2]) < abs(normal[1]) else UP)
     first /= np.linalg.norm(first)
@@ -285,7 +274,7 @@ def _front_waist_length(body: Body) -> float:
     return _front_length(body, neck, bust) + _front_length(body, bust, waist)
 
 
-def _front_length(body: Body, start: Vector, end: Vector) -> float:
+def _front_length(body: Body, start: Vector3, end: Vector3) -> float:
     """Tape over the front, in the plane that holds both ends and the forward direction."""
     along = (end - start) * [1, 1, 0]
     along /= np.linalg.norm(along)
@@ -303,15 +292,10 @@ def _crotch_length(body: Body, waist: float) -> float:
     return taut_girth(np.vstack([trunk, ends])) - float(np.ptp(hits))
 
 
-def _at_height(start: Vector, end: Vector, height: float) -> Vector:
+def _at_height(start: Vector3, end: Vector3, height: float) -> Vector3:
     place: np.ndarray = start + (height - start[1]) / (end[1] - start[1]) * (end - start)
     return place
 
 
-def _middle(outline: Points) -> Vector:
-    middle: np.ndarray = (outline.min(0) + outline.max(0)) / 2
-    return middle
-
-
-def _distance(a: Vector, b: Vector) -> float:
+def _distance(a: Vector3, b: Vector3) -> float:
     return float(np.linalg.norm(b - a))

@@ -11,7 +11,10 @@ using generalized winding numbers"), which `drape.solver` counts.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Int
+
+from garmentimage.body.body import Points3
+from garmentimage.geometry import component_labels
 
 WELDS = (1e-6, 1e-5, 1e-4, 5e-4)
 """Vertices along rims are one where they are nearer than the first of these shares of the
@@ -22,29 +25,24 @@ TWINNED = 0.5
 """Where more than this share of the triangles have a twin of opposite orientation, the surface
 was written with two sides."""
 
-Points = Float[np.ndarray, "_ 3"]
 Faces = Int[np.ndarray, "_ 3"]
 Loops = list[Int[np.ndarray, " _"]]
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
-    """Triangles and the rims that they leave open."""
+class OpenSurface:
+    """Triangles of a mesh file and the rims that they leave open."""
 
-    points: Points
+    points: Points3
     faces: Faces
     rims: Loops
     """Corners along each rim, in the direction in which the triangles go along it."""
 
 
-def welded(points: Points, faces: Faces) -> Surface:
+def welded(points: Points3, faces: Faces) -> OpenSurface:
     """The surface with vertices of one place made one, and along rims those that nearly coincide.
 
-    Triangles that look to different sides are made to agree.
-
-    Args:
-        points: in any unit.
-        faces: corners into `points`.
+    Points may be in any unit; triangles that look to different sides are made to agree.
     """
     places, number = np.unique(points, axis=0, return_inverse=True)
     best = agreeing(_without_twins(number.reshape(-1)[faces]))
@@ -57,28 +55,23 @@ def welded(points: Points, faces: Faces) -> Surface:
         closer = _rim_edges(joined)
         if len(closer) < len(rim):
             best, rim = joined, closer
-    return Surface(places, best, _loops(rim))
+    return OpenSurface(places, best, _loops(rim))
 
 
-def parts(surface: Surface) -> list[Surface]:
+def parts(surface: OpenSurface) -> list[OpenSurface]:
     """The connected parts, those with most triangles first, their vertices numbered anew."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     points, faces = surface.points, surface.faces
-    ends = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
-    joined = coo_array((np.ones(len(ends)), tuple(ends.T)), shape=(len(points), len(points)))
-    _, label = connected_components(joined, directed=False)
+    label = component_labels(len(points), faces[:, [0, 1, 1, 2]].reshape(-1, 2))
     _, part, sizes = np.unique(label[faces[:, 0]], return_inverse=True, return_counts=True)
     found = []
     for k in np.argsort(-sizes, kind="stable").tolist():
         used, number = np.unique(faces[part == k], return_inverse=True)
         own = number.reshape(-1, 3)
-        found.append(Surface(points[used], own, _loops(_rim_edges(own))))
+        found.append(OpenSurface(points[used], own, _loops(_rim_edges(own))))
     return found
 
 
-def united(surfaces: list[Surface]) -> tuple[Points, Faces]:
+def united(surfaces: list[OpenSurface]) -> tuple[Points3, Faces]:
     """Several surfaces as one, each looking outwards, their rims closed by fans."""
     points, faces, first = [], [], 0
     for surface in surfaces:
@@ -89,7 +82,7 @@ def united(surfaces: list[Surface]) -> tuple[Points, Faces]:
     return np.concatenate(points), np.concatenate(faces)
 
 
-def capped(surface: Surface) -> tuple[Points, Faces]:
+def capped(surface: OpenSurface) -> tuple[Points3, Faces]:
     """The triangles, and for each rim a fan from its middle that closes it."""
     points, faces = [surface.points], [surface.faces]
     for k, rim in enumerate(surface.rims):
@@ -100,12 +93,12 @@ def capped(surface: Surface) -> tuple[Points, Faces]:
     return np.concatenate(points), np.concatenate(faces)
 
 
-def size(points: Points) -> float:
+def size(points: Points3) -> float:
     """Diagonal of the box round the points."""
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def _volume(points: Points, faces: Faces) -> float:
+def _volume(points: Points3, faces: Faces) -> float:
     a, b, c = np.moveaxis(points[faces] - points[0], 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
 
@@ -170,9 +163,6 @@ def agreeing(faces: Faces) -> Faces:
     joined as they stand, others crosswise. So the triangles that agree with each other are one
     connected part of it.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     ends, edge, way = _edges(faces)
     paired = np.bincount(edge, minlength=len(ends)) == 2
     if not (paired & (np.bincount(edge, way, minlength=len(ends)) != 0)).any():
@@ -182,30 +172,21 @@ def agreeing(faces: Faces) -> Faces:
     count = len(faces)
     a, b = first % count, second % count
     across = np.where(way[first] == way[second], count, 0)
-    joined = coo_array(
-        (
-            np.ones(2 * len(a)),
-            (np.concatenate([a, a + count]), np.concatenate([b + across, b + count - across])),
-        ),
-        shape=(2 * count, 2 * count),
-    )
-    _, part = connected_components(joined, directed=False)
+    joined = np.stack([np.r_[a, a + count], np.r_[b + across, b + count - across]], axis=1)
+    part = component_labels(2 * count, joined)
     turned = part[:count] > part[count:]
     return np.where(turned[:, None], faces[:, ::-1], faces)
 
 
 def _joined(
-    points: Points, ends: Int[np.ndarray, "edge 2"], near: float
+    points: Points3, ends: Int[np.ndarray, "edge 2"], near: float
 ) -> Int[np.ndarray, " vertex"]:
     """For each vertex the first one along the rims that lies so near, else itself."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     rim = np.unique(ends)
     pairs = cKDTree(points[rim]).query_pairs(near, output_type="ndarray")
-    joins = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(rim), len(rim)))
-    _, label = connected_components(joins, directed=False)
+    label = component_labels(len(rim), pairs)
     _, first = np.unique(label, return_index=True)
     to = np.arange(len(points))
     to[rim] = rim[first[label]]
@@ -227,9 +208,9 @@ def _loops(ends: Int[np.ndarray, "edge 2"]) -> Loops:
                 path.append(following)
                 continue
             # Wherever the path meets itself, a loop is closed.
-            loop = path[place[following] :]
-            loops.append(np.array(loop))
-            for vertex in loop[1:]:
+            start_of_loop = place[following]
+            loops.append(np.array(path[start_of_loop:]))
+            for vertex in path[start_of_loop + 1 :]:
                 del place[vertex]
-            path = path[: place[following] + 1]
+            del path[start_of_loop + 1 :]
     return loops

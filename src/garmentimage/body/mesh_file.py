@@ -1,8 +1,7 @@
 """A body of one's own, from a mesh file: checked, stood upright, and marked.
 
 OBJ, PLY, STL and GLB are read, in m, dm, cm, mm, feet or inches, any side up (`upright`). Small
-faults of the surface are mended (`mend`).
-Nothing beside the file is opened: textures and materials do not matter here.
+faults of the surface are mended (`mend`). Nothing beside the file is opened.
 """
 
 import os
@@ -12,11 +11,11 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
-from garmentimage.body.body import Body
+from garmentimage.body.body import Body, Points3
 from garmentimage.body.landmarks import mark, trunk_section
-from garmentimage.body.mend import SMALL_PART, Faces, Points, Surface, parts, size, united, welded
+from garmentimage.body.mend import SMALL_PART, Faces, OpenSurface, parts, size, united, welded
 from garmentimage.body.upright import ADULT, upright
 from garmentimage.errors import DraftError
 from garmentimage.system import errors_about, read_limited
@@ -58,20 +57,24 @@ def load_body_file(path: str | os.PathLike[str]) -> Body:
         rims = used[0].rims
         for rim in rims:
             if size(points[rim]) > SOLE * np.ptp(points, axis=0).max():
-                raise _open(points, rim)
+                raise _open_at(points, rim)
         standing = upright(points, faces)
         _check_rims(points, standing, rims)
         return _body(standing, faces, Path(path).stem)
 
 
-def _read(path: str | os.PathLike[str]) -> tuple[Points, Faces]:
+def _read(path: str | os.PathLike[str]) -> tuple[Points3, Faces]:
     """Points in the file's units and the triangles between them."""
     import trimesh
 
     ending = Path(path).suffix.lower().removeprefix(".")
     if ending not in MESH_FORMATS:
         raise DraftError(f"is not a mesh file; give one of {', '.join(MESH_FORMATS)}")
-    raw = _bytes(path)
+    raw = read_limited(
+        path, MAX_FILE_BYTES, DraftError, kind="mesh file", too_large="export a coarser body"
+    )
+    if not raw.strip():
+        raise DraftError("is empty; export the body again")
     try:
         # Without a resolver the reader cannot open any other file.
         mesh = trimesh.load_mesh(BytesIO(raw), file_type=ending, process=False)
@@ -92,16 +95,7 @@ def _read(path: str | os.PathLike[str]) -> tuple[Points, Faces]:
     return points, faces
 
 
-def _bytes(path: str | os.PathLike[str]) -> bytes:
-    raw = read_limited(
-        path, MAX_FILE_BYTES, DraftError, kind="mesh file", too_large="export a coarser body"
-    )
-    if not raw.strip():
-        raise DraftError("is empty; export the body again")
-    return raw
-
-
-def _joined(points: Points, faces: Faces) -> list[Surface]:
+def _joined(points: Points3, faces: Faces) -> list[OpenSurface]:
     """The parts of a body that are used; what is small beside it, as eyes are, is left out.
 
     Of parts that are open, only the largest is kept, whose holes can be recognised then.
@@ -114,35 +108,25 @@ def _joined(points: Points, faces: Faces) -> list[Surface]:
     kept = every[:1] + [p for p in every[1:] if size(p.points) >= least and not p.rims]
     if len(kept) < len(every):
         count, whole = sum(len(p.faces) for p in kept), len(surface.faces)
+        used = "only the largest is" if len(kept) == 1 else f"the {len(kept)} that are large are"
         warnings.warn(
-            f"the body is in {len(every)} parts; {_used(len(kept))} used ({count} of {whole} "
-            "triangles)",
+            f"the body is in {len(every)} parts; {used} used ({count} of {whole} triangles)",
             stacklevel=3,
         )
     return kept
 
 
-def _used(count: int) -> str:
-    return "only the largest is" if count == 1 else f"the {count} that are large are"
-
-
-def _check_rims(points: Points, standing: Points, rims: list[Int[np.ndarray, " _"]]) -> None:
-    """Refuse holes that no cap can stand for.
-
-    Args:
-        points: the body in its file.
-        standing: the same points as they stand [cm].
-        rims: corners round each hole.
-    """
+def _check_rims(points: Points3, standing: Points3, rims: list[Int[np.ndarray, " _"]]) -> None:
+    """Refuse holes that no cap can stand for; `standing` are the points as they stand [cm]."""
     stature = float(standing[:, 1].max())
     for rim in rims:
         low, high = standing[rim, 1].min() / stature, standing[rim, 1].max() / stature
         across = size(standing[rim]) / stature
         if across > (SOLE if high < AT_END else HOLE) or (low > 1 - AT_END and across > TOP_HOLE):
-            raise _open(points, rim)
+            raise _open_at(points, rim)
 
 
-def _open(points: Points, rim: Int[np.ndarray, " corner"]) -> DraftError:
+def _open_at(points: Points3, rim: Int[np.ndarray, " corner"]) -> DraftError:
     place = ", ".join(f"{x:.3g}" for x in (points[rim].min(0) + points[rim].max(0)) / 2)
     return DraftError(
         f"is open: a hole {size(points[rim]):.3g} units across lies at ({place}) in the file's "
@@ -150,7 +134,7 @@ def _open(points: Points, rim: Int[np.ndarray, " corner"]) -> DraftError:
     )
 
 
-def _body(points: Points, faces: Faces, name: str) -> Body:
+def _body(points: Points3, faces: Faces, name: str) -> Body:
     """The body with its landmarks, z = 0 halfway through its waist."""
     _check_ends(points)
     bare = Body(points, faces.astype(np.int32), name, "t", {})
@@ -172,10 +156,12 @@ def _body(points: Points, faces: Faces, name: str) -> Body:
     place = {key: point - shift for key, point in place.items()}
     for array in (points, bare.faces, *place.values()):
         array.setflags(write=False)
-    return Body(points, bare.faces, name, _pose(place), MappingProxyType(place))
+    across, down, _ = place["left_wrist_joint"] - place["left_shoulder_joint"]
+    pose = "t" if -down < np.tan(STRAIGHT_ARM) * across else "a"
+    return Body(points, bare.faces, name, pose, MappingProxyType(place))
 
 
-def _check_ends(points: Points) -> None:
+def _check_ends(points: Points3) -> None:
     """Refuse a body without feet or head: all its heights would be wrong."""
     stature = points[:, 1].max()
     if np.ptp(points[points[:, 1] < ANKLES * stature, 2]) < FOOT_LENGTH * stature:
@@ -184,8 +170,3 @@ def _check_ends(points: Points) -> None:
         raise DraftError(
             "has no head, or lifts its arms above it; export the whole body in the T or the A pose"
         )
-
-
-def _pose(place: dict[str, Float[np.ndarray, " 3"]]) -> str:
-    across, down, _ = place["left_wrist_joint"] - place["left_shoulder_joint"]
-    return "t" if -down < np.tan(STRAIGHT_ARM) * across else "a"

@@ -4,13 +4,14 @@ Shipped bodies stand with their legs well apart, so that each can be measured by
 wears a narrow skirt stands otherwise, and so do the bodies that published patterns are drawn for.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.body.body import Body, load_body
+from garmentimage.body.body import Body, Vector3, load_body
 from garmentimage.errors import check_type
 
 WORN_LEG_ANGLE = np.deg2rad(2.5)
@@ -47,25 +48,16 @@ def stand_straight(body: Body) -> Body:
     vertices -= lifted
     for array in (vertices, places):
         array.setflags(write=False)
-    return Body(
-        vertices,
-        body.faces,
-        body.name,
-        body.pose,
-        MappingProxyType(dict(zip(names, places, strict=True))),
-    )
+    landmarks = MappingProxyType(dict(zip(names, places, strict=True)))
+    return replace(body, vertices=vertices, landmarks=landmarks)
 
 
 def _turned(
-    points: Float[np.ndarray, "point 3"], hip: Float[np.ndarray, " 3"], turn: float, depth: float
+    points: Float[np.ndarray, "point 3"], hip: Vector3, turn: float, depth: float
 ) -> Float[np.ndarray, "point 3"]:
-    """Points of both legs turned about the hip joints in the picture plane.
+    """Points of both legs [cm] turned towards the middle [rad] about the hip joints.
 
-    Args:
-        points: anywhere on the body [cm].
-        hip: the left hip joint [cm].
-        turn: towards the middle [rad].
-        depth: under the hip joints [cm]; from there on points turn by the full angle.
+    They turn more and more from the hip joints to `depth` [cm] under them, and fully from there on.
     """
     share = np.clip((hip[1] - points[:, 1]) / depth, 0.0, 1.0)
     away = np.abs(points[:, 0])

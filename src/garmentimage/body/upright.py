@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, Int
 
+from garmentimage.body.body import Points3, Vector3
 from garmentimage.errors import DraftError
 
 if TYPE_CHECKING:
@@ -43,11 +44,8 @@ MIDDLE_OFF = 0.3
 """The middle of the span is x = 0 unless the plane of symmetry lies farther from it [cm]: the hands
 may be unlike."""
 
-Vector = Float[np.ndarray, " 3"]
-Points = Float[np.ndarray, "_ 3"]
 
-
-def upright(points: Points, faces: Int[np.ndarray, "face 3"]) -> Points:
+def upright(points: Points3, faces: Int[np.ndarray, "face 3"]) -> Points3:
     """The points in cm, y up, feet on the floor, facing +z, left and right of x = 0.
 
     Args:
@@ -86,7 +84,7 @@ def upright(points: Points, faces: Int[np.ndarray, "face 3"]) -> Points:
     return points if _toes_forward(points) else points * [-1, 1, -1]
 
 
-def _sample(points: Points, faces: Int[np.ndarray, "face 3"]) -> Float[np.ndarray, "sample 3"]:
+def _sample(points: Points3, faces: Int[np.ndarray, "face 3"]) -> Float[np.ndarray, "sample 3"]:
     """Points of the skin, evenly by area."""
     a, b, c = np.moveaxis(points[faces], 1, 0)
     area = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
@@ -95,7 +93,7 @@ def _sample(points: Points, faces: Int[np.ndarray, "face 3"]) -> Float[np.ndarra
     return centre
 
 
-def _symmetry(skin: Points) -> Vector:
+def _symmetry(skin: Points3) -> Vector3:
     """The direction across the body: square to its plane of symmetry."""
     from scipy.spatial import cKDTree
 
@@ -108,11 +106,11 @@ def _symmetry(skin: Points) -> Vector:
     return min(planes, key=lambda plane: plane[1])[0]
 
 
-def _fitted(skin: Points, tree: "cKDTree", normal: Vector) -> tuple[Vector, float]:
+def _fitted(skin: Points3, tree: "cKDTree", normal: Vector3) -> tuple[Vector3, float]:
     """The plane of symmetry nearest to a plane through the middle, and how far it misses.
 
-    Points and the places their reflections should have give the plane in closed form: its normal
-    is the direction in which the two vary least together.
+    Iterated closest points: each point is paired with the nearest to its reflection, and the pairs
+    give the plane in closed form. Its normal is the direction in which the two vary least together.
     """
     offset = skin.mean(0) @ normal
     for _ in range(FITS):
@@ -126,7 +124,7 @@ def _fitted(skin: Points, tree: "cKDTree", normal: Vector) -> tuple[Vector, floa
     return normal, float(gap[best].mean())
 
 
-def _up(skin: Points, across: Vector) -> Vector:
+def _up(skin: Points3, across: Vector3) -> Vector3:
     """The long axis of the body in its plane of symmetry, towards the head."""
     away = skin @ across
     flat = skin - away[:, None] * across
@@ -139,7 +137,7 @@ def _up(skin: Points, across: Vector) -> Vector:
     return up if height.max() - inner.max() < inner.min() - height.min() else -up
 
 
-def _axis(direction: Vector) -> Vector:
+def _axis(direction: Vector3) -> Vector3:
     """The axis of the file, or its opposite, nearest to a direction."""
     k = int(np.abs(direction).argmax())
     axis = np.zeros(3)
@@ -147,31 +145,30 @@ def _axis(direction: Vector) -> Vector:
     return axis
 
 
-def _angle(a: Vector, b: Vector) -> float:
+def _angle(a: Vector3, b: Vector3) -> float:
     return float(np.arccos(np.clip(a @ b, -1, 1)))
 
 
-def _unit_vector(v: Vector) -> Vector:
-    unit: np.ndarray = v / np.linalg.norm(v)
+def _unit_vector(v: Vector3) -> Vector3:
+    unit: Vector3 = v / np.linalg.norm(v)
     return unit
 
 
-def _middle(skin: Points, low: float, high: float) -> float:
+def _middle(skin: Points3, low: float, high: float) -> float:
     """Where x = 0 should be: the middle of the span, or the plane of symmetry if that is not it."""
     from scipy.spatial import cKDTree
 
-    across = np.array([1.0, 0.0, 0.0])
-    middle = (low + high) / 2
-    offset = middle
+    offset = middle = (low + high) / 2
     tree = cKDTree(skin)
     for _ in range(FITS):
-        gap, near = tree.query(skin * [-1, 1, 1] + 2 * offset * across)
+        gap, near = tree.query(skin * [-1, 1, 1] + 2 * offset * np.array([1.0, 0.0, 0.0]))
         best = np.argsort(gap, kind="stable")[: int(KEPT * len(skin))]
         offset = float(np.mean(skin[best, 0] + skin[near[best], 0])) / 2
     return offset if abs(offset - middle) > MIDDLE_OFF else middle
 
 
 def _unit(height: float) -> float:
+    """The unit of a file in which a body has this height [cm]."""
     low, high = STATURES
     for size in UNITS.values():
         if low * 100 <= height * size <= high * 100:
@@ -181,7 +178,7 @@ def _unit(height: float) -> float:
     )
 
 
-def _toes_forward(points: Points) -> bool:
+def _toes_forward(points: Points3) -> bool:
     height, depth = points[:, 1] / np.ptp(points[:, 1]), points[:, 2]
     foot, leg = depth[height < FOOT], depth[(height > ANKLE[0]) & (height < ANKLE[1])]
     middle = (leg.max() + leg.min()) / 2 if len(leg) else 0.0

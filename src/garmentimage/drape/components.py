@@ -9,18 +9,18 @@ Words of this file:
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from garmentimage.body import Body
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.girths import chest_level
+from garmentimage.drape.mesh import Rest
 from garmentimage.drape.start import Placement
 from garmentimage.drape.support import SupportSite
+from garmentimage.geometry import component_labels
 from garmentimage.pattern import Side
 
 LAYER = 2.0
@@ -71,17 +71,12 @@ def garment_items(
         tucked: tops are worn under skirts and trousers.
     """
     faces = cloth.vertex_faces
-    count = cloth.vertex_count
-    links = coo_array(
-        (np.ones(2 * len(faces)), (faces[:, [0, 1]].T.ravel(), faces[:, [1, 2]].T.ravel())),
-        shape=(count, count),
-    )
-    number, label = connected_components(links, directed=False)
+    label = component_labels(cloth.vertex_count, faces[:, [0, 1, 1, 2]].reshape(-1, 2))
     label_of_face = label[faces[:, 0]]
     names = [panel.name for panel in cloth.pattern.panels]
     over = _over_shoulders(start, body)
     found = []
-    for k in range(number):
+    for k in range(label.max() + 1):
         own = label_of_face == k
         name = names[cloth.face_panel[own][0]]
         placement = next(s for s in placements if name in s.panels)
@@ -122,16 +117,21 @@ def _along(cloth: Cloth, sides: Sequence[Side]) -> Int[np.ndarray, " n"]:
     return np.unique(np.concatenate(lines)) if lines else _NONE
 
 
-def _shoulder_height(body: Body) -> float:
-    """Height of the shoulder joints [cm]."""
-    return float(body.landmarks["left_shoulder_joint"][1])
-
-
 def _over_shoulders(start: np.ndarray, body: Body) -> Int[np.ndarray, " n"]:
     """Vertices over the shoulders, beside the neck."""
-    reach, inner = (
-        abs(body.landmarks[name][0]) for name in ("left_shoulder_joint", "left_neck_point")
-    )
+    joint, neck = body.landmarks["left_shoulder_joint"], body.landmarks["left_neck_point"]
     aside = np.abs(start[:, 0])
-    over = (start[:, 1] > _shoulder_height(body)) & (aside < reach) & (aside > inner)
-    return np.flatnonzero(over)
+    return np.flatnonzero((start[:, 1] > joint[1]) & (aside < joint[0]) & (aside > neck[0]))
+
+
+def with_elastics(rest: Rest, items: Sequence[GarmentItem]) -> Rest:
+    """The cloth with its top edges as long as their belts or elastics; what hangs below folds."""
+    length = rest.length
+    for item in items:
+        placement = item.placement
+        if 0 < placement.drawn_length < placement.length:
+            on = np.zeros(len(rest.vertex_area), bool)
+            on[item.top] = True
+            along = on[rest.edges].all(axis=1)
+            length = np.where(along, length * (placement.drawn_length / placement.length), length)
+    return replace(rest, length=length)

@@ -5,15 +5,13 @@ import time
 import numpy as np
 
 from garmentimage.body import Body, wearer
-from garmentimage.drape.components import GarmentItem, garment_items
+from garmentimage.drape.components import GarmentItem, garment_items, with_elastics
 from garmentimage.drape.draped_garment import DrapedGarment
-from garmentimage.drape.elastic import with_elastics
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.mesh import DEFAULT_VERTICES, check_size, mesh, rest_of
 from garmentimage.drape.solver import (
     Attachment,
-    DistanceField,
     SolverSettings,
     Watch,
     body_field,
@@ -27,11 +25,9 @@ from garmentimage.errors import DrapeError, check_type, quoted
 from garmentimage.pattern import Pattern, without_stubs
 from garmentimage.pattern.checks import off_centre, unknown_place
 
-BELT_STIFFNESS = 1e5
-"""With which a belt keeps each vertex at its height [dyn/cm]."""
-BELT_PULL = 3e6
-"""With which a belt or an elastic holds a garment up, at most, all round [dyn]: some 3 kg."""
-
+BELT_STIFFNESS, MAX_BELT_PULL = 1e5, 3e6
+"""A belt or an elastic keeps each vertex at its height with this stiffness [dyn/cm], and holds the
+garment up with at most this force all round [dyn]: some 3 kg."""
 ONE_PLANE = 1.0
 """Panels whose depths differ by less [cm] all lie on one side of the body."""
 
@@ -89,8 +85,7 @@ def drape_pattern(
     placed, placements = place_on_body(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     start = start_points(cloth, body, placements)
-    points, motions = start.copy(), []
-    field: DistanceField = body_field(body)
+    points, motions, field = start.copy(), [], body_field(body)
     items = garment_items(cloth, start, body, placements, tucked=tucked)
     rest = with_elastics(rest_of(cloth), items)
     band = max((float(i.level.mean()) for i in items if len(i.pinned)), default=None)
@@ -112,16 +107,8 @@ def drape_pattern(
         motions.append(motion)
         if item is not items[-1]:
             field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
-    report = assess_drape(
-        cloth,
-        rest,
-        start,
-        points,
-        body,
-        items,
-        tuple(motions),
-        seconds=time.perf_counter() - began,
-    )
+    seconds = time.perf_counter() - began
+    report = assess_drape(cloth, rest, start, points, body, items, tuple(motions), seconds=seconds)
     return DrapedGarment(cloth, points, body, report)
 
 
@@ -132,26 +119,20 @@ def check_drape(garment: DrapedGarment) -> None:
         DrapeError: lists all faults.
     """
     if garment.report.faults:
-        name = garment.cloth.pattern.name or "the garment"
-        raise DrapeError(
-            f"the drape of {name} on {garment.body.name} failed: "
-            + "; ".join(garment.report.faults)
-        )
+        name, faults = garment.cloth.pattern.name or "the garment", "; ".join(garment.report.faults)
+        raise DrapeError(f"the drape of {name} on {garment.body.name} failed: {faults}")
 
 
 def _check_sewn(pattern: Pattern) -> None:
     """Refuse a pattern with an item that no stitch holds."""
     name = pattern.name or "the pattern"
     if not pattern.stitches:
-        poncho = len(pattern.panels) == 1 and pattern.panels[0].holes
-        raise DrapeError(
-            f"{name} has no stitches, so nothing holds it on a body; "
-            + (
+        remedy = "sew its panels first"
+        if len(pattern.panels) == 1 and pattern.panels[0].holes:
+            remedy = (
                 "cut it through the hole into a front and a back, and sew them at the shoulders"
-                if poncho
-                else "sew its panels first"
             )
-        )
+        raise DrapeError(f"{name} has no stitches, so nothing holds it on a body; {remedy}")
     for part in connected_garments(pattern):
         first = quoted(part.panels[0].name)
         if not part.stitches:
@@ -203,4 +184,4 @@ def _belt(item: GarmentItem) -> Attachment | None:
     own = np.searchsorted(item.vertices, item.pinned)
     targets, stiffness = np.zeros((2, len(own), 3))
     targets[:, 1], stiffness[:, 1] = item.level, BELT_STIFFNESS
-    return Attachment(own, targets, stiffness, BELT_PULL / len(own))
+    return Attachment(own, targets, stiffness, MAX_BELT_PULL / len(own))

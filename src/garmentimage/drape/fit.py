@@ -12,18 +12,19 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentimage.body import Body, girth, load_body, outline_at, stand_straight
+from garmentimage.body import Body, Vector3, girth, load_body, outline_at, stand_straight
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.mesh import mesh
 from garmentimage.drape.start import place_on_body, start_points
 from garmentimage.drape.support import SupportSite
 from garmentimage.errors import DrapeError, quoted
+from garmentimage.geometry import component_labels
 from garmentimage.pattern import Pattern, without_stubs
 
 AUTO = "auto"
 """Stands for the shipped body on which a garment fits best."""
 CHEST, HIP = 0.46, 0.33
-"""Where the chest lies on the way from waist to neck, and the hip on that from crotch to waist."""
+"""Where the chest lies from waist to neck, and the hip from crotch to waist, as shares."""
 LIMBS = {
     "upper arm": ("left_shoulder_joint", "left_elbow_joint", 0.5),
     "lower arm": ("left_elbow_joint", "left_wrist_joint", 0.5),
@@ -32,7 +33,7 @@ LIMBS = {
     "knee": ("left_hip_joint", "left_knee_joint", 1.0),
     "calf": ("left_knee_joint", "left_ankle_joint", 0.3),
 }
-"""Two landmarks of each limb, and where it is measured on the way from one to the other."""
+"""Two landmarks of each limb, and where it is measured between them, as a share from the first."""
 CHEST_SIDE = 0.9
 """Round the chest the tape goes no farther out than this share of the shoulder joint's distance
 from the middle: lifted arms pull the skin there outwards."""
@@ -51,19 +52,15 @@ STRETCH_ALLOWANCE = 0.03
 """Cloth may be shorter than the body by this share: it stretches without being felt."""
 SUPPORT_ALLOWANCE = 0.12
 """What is held by waist or chest may be longer than the body by this share there."""
-BODIES_KEPT = 16
-"""Bodies whose tapes are remembered."""
-
-Vector = Float[np.ndarray, " 3"]
 
 
 @dataclass(frozen=True, eq=False)
 class Tape:
     """A plane in which a limb is measured."""
 
-    point: Vector
+    point: Vector3
     """In the middle of the limb [cm]."""
-    normal: Vector
+    normal: Vector3
     """Along the limb."""
     girth: float
     """Of the body there [cm]."""
@@ -104,7 +101,7 @@ class Fit:
         return f"{self.body}" + (f" ({', '.join(trunk)})" if trunk else "")
 
 
-@lru_cache(maxsize=BODIES_KEPT)
+@lru_cache(maxsize=16)
 def tapes(body: Body) -> Mapping[str, Tape]:
     """Where a body is measured: chest, waist, hip and what it has of `LIMBS`."""
     marks = body.landmarks
@@ -113,23 +110,22 @@ def tapes(body: Body) -> Mapping[str, Tape]:
         waist, crotch, neck = (
             float(marks[name][1]) for name in ("waist_front", "crotch", "left_neck_point")
         )
-        heights = {
-            "chest": waist + CHEST * (neck - waist),
-            "waist": waist,
-            "hip": crotch + HIP * (waist - crotch),
-        }
         side = CHEST_SIDE * float(marks["left_shoulder_joint"][0])
-        for place, height in heights.items():
+        for place, height, limit in (
+            ("chest", waist + CHEST * (neck - waist), side),
+            ("waist", waist, np.inf),
+            ("hip", crotch + HIP * (waist - crotch), np.inf),
+        ):
             point, up = np.array([0.0, height, 0.0]), np.array([0.0, 1.0, 0.0])
-            found[place] = _tape(body, point, up, side if place == "chest" else np.inf)
+            found[place] = _tape(body, point, up, limit)
     for place, (start, end, share) in LIMBS.items():
         if start in marks and end in marks:
-            way = marks[end] - marks[start]
-            found[place] = _tape(body, marks[start] + share * way, way, np.inf)
+            along = marks[end] - marks[start]
+            found[place] = _tape(body, marks[start] + share * along, along, np.inf)
     return found
 
 
-def _tape(body: Body, point: Vector, normal: Vector, side: float) -> Tape:
+def _tape(body: Body, point: Vector3, normal: Vector3, side: float) -> Tape:
     """The tape round the limb at a point that goes no farther out than `side`."""
     normal = normal / np.linalg.norm(normal)
     outline = outline_at(body, point, normal)
@@ -138,26 +134,17 @@ def _tape(body: Body, point: Vector, normal: Vector, side: float) -> Tape:
 
 
 def girths(cloth: Cloth, points: Float[np.ndarray, "vertex 3"], body: Body) -> tuple[Girth, ...]:
-    """The cloth round every limb that it goes round.
-
-    Args:
-        cloth: the sewn garment.
-        points: where its vertices are, draped or not yet [cm].
-        body: who wears it.
-    """
-    found = []
-    for place, tape in tapes(body).items():
-        length = _length_round(cloth, points, tape)
-        if length is not None:
-            found.append(Girth(place, length, tape.girth))
-    return tuple(found)
+    """The cloth round every limb that it goes round; vertices at `points` [cm], draped or not."""
+    lengths = {place: _length_round(cloth, points, tape) for place, tape in tapes(body).items()}
+    return tuple(
+        Girth(place, length, tapes(body)[place].girth)
+        for place, length in lengths.items()
+        if length is not None
+    )
 
 
 def _length_round(cloth: Cloth, points: Float[np.ndarray, "vertex 3"], tape: Tape) -> float | None:
     """Length at rest of the shortest closed line of cloth round a tape [cm]."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     height = (points - tape.point) @ tape.normal
     faces = cloth.vertex_faces
     above = height[faces] > 0
@@ -169,17 +156,12 @@ def _length_round(cloth: Cloth, points: Float[np.ndarray, "vertex 3"], tape: Tap
         ends.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
     )
     pair = index.reshape(-1, 2)
-    joined = coo_array((np.ones(len(pair)), tuple(pair.T)), shape=(len(edges), len(edges)))
-    count, label = connected_components(joined, directed=False)
-    closed = np.bincount(label, uses != 2, minlength=count) == 0
+    label = component_labels(len(edges), pair)
+    closed = np.bincount(label, uses != 2) == 0
     line = label[pair[:, 0]]
-    lengths = np.bincount(line, np.linalg.norm(flat[:, 1] - flat[:, 0], axis=1), minlength=count)
-    round_it = [
-        float(lengths[k])
-        for k in np.flatnonzero(closed).tolist()
-        if _goes_round(where[line == k], tape)
-    ]
-    return min(round_it, default=None)
+    lengths = np.bincount(line, np.linalg.norm(flat[:, 1] - flat[:, 0], axis=1))
+    rings = [k for k in np.flatnonzero(closed) if _goes_round(where[line == k], tape)]
+    return min((float(lengths[k]) for k in rings), default=None)
 
 
 def _crossed_sides(
@@ -255,7 +237,7 @@ def best_fit(patterns: Sequence[Pattern], *, made_for: float | None = None, pose
         pose: of the bodies.
 
     Raises:
-        DrapeError: a panel cannot be cut into triangles.
+        DrapeError: there is no garment, or a panel cannot be cut into triangles.
         DraftError: `made_for` is out of range.
     """
     if not patterns:
@@ -280,21 +262,15 @@ def tight_places(
 ) -> str:
     """What is too short where cloth is too tight, and who could wear it: the end of a sentence.
 
-    Args:
-        cloth: the sewn garment.
-        stretch: of each triangle.
-        points: where its vertices came to rest [cm].
-        body: who wears it.
+    `stretch` is that of each triangle, and `points` are the vertices at rest [cm].
     """
     missing = [g for g in girths(cloth, points, body) if g.missing > 0]
     if missing:
         where = str(max(missing, key=lambda g: g.missing))
     else:
         weight = np.bincount(cloth.face_panel, np.maximum(stretch, 0.0))
-        count = np.maximum(np.bincount(cloth.face_panel), 1)
-        where = (
-            f"most of all panel {quoted(cloth.pattern.panels[int((weight / count).argmax())].name)}"
-        )
+        mean = weight / np.maximum(np.bincount(cloth.face_panel), 1)
+        where = f"most of all panel {quoted(cloth.pattern.panels[int(mean.argmax())].name)}"
     best = best_fit([cloth.pattern])
     if best.body != body.name:
         fits = "on which it fits" if best.tight == 0 else "which comes nearest"

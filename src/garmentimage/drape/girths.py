@@ -2,13 +2,8 @@
 
 from functools import lru_cache
 
-import numpy as np
-from jaxtyping import Float
+from garmentimage.body import Body, Vector3, back_length, shoulder_point, taut_girth, trunk_outline
 
-from garmentimage.body import Body, back_length, shoulder_point, taut_girth, trunk_outline
-
-BODIES_KEPT, GIRTHS_KEPT = 16, 1024
-"""Bodies whose shoulders are kept, and girths of bodies."""
 BACK_NECK_RISE = 1.75
 """The inner ends of shoulder seams lie this far over the nape along the back [cm]: as in our
 drafts, where that is 2 cm at the neck itself, and necklines are a little wider."""
@@ -17,19 +12,19 @@ BUST, OVER_BUST = 0.62, 0.76
 the waist to the shoulder joints."""
 
 
-@lru_cache(maxsize=GIRTHS_KEPT)
-def girth(body: Body, height: float) -> float:
+@lru_cache(maxsize=1024)
+def trunk_girth(body: Body, height: float) -> float:
     """Girth of the trunk in a level cut [cm]."""
     return taut_girth(trunk_outline(body, height)[:, [0, 2]])
 
 
-@lru_cache(maxsize=BODIES_KEPT)
-def shoulder(body: Body) -> Float[np.ndarray, " 3"]:
+@lru_cache(maxsize=16)
+def shoulder(body: Body) -> Vector3:
     """The left shoulder point."""
     return shoulder_point(body)
 
 
-@lru_cache(maxsize=BODIES_KEPT)
+@lru_cache(maxsize=16)
 def shoulder_seam_rise(body: Body) -> float:
     """How far over the neck points shoulder seams begin that are drawn for this body [cm].
 
@@ -47,16 +42,12 @@ def waist_height(body: Body) -> float:
     return float(body.landmarks["waist_front"][1])
 
 
-def bust_height(body: Body) -> float:
-    """Height of the bust points [cm]."""
-    return _over_waist(body, BUST)
+def bust_height(body: Body, share: float = BUST) -> float:
+    """Height of the bust points [cm], or of another share from the waist to the shoulder joints."""
+    joint, waist = float(body.landmarks["left_shoulder_joint"][1]), waist_height(body)
+    return waist + share * (joint - waist)
 
 
 def chest_level(body: Body) -> float:
     """Height of the top edge of strapless clothes [cm]."""
-    return _over_waist(body, OVER_BUST)
-
-
-def _over_waist(body: Body, share: float) -> float:
-    joint, waist = float(body.landmarks["left_shoulder_joint"][1]), waist_height(body)
-    return waist + share * (joint - waist)
+    return bust_height(body, OVER_BUST)

@@ -15,12 +15,11 @@ from enum import Enum
 
 import numpy as np
 
-from garmentimage.body import Body
-from garmentimage.drape.girths import bust_height, chest_level, girth, waist_height
+from garmentimage.body import Body, Points3
+from garmentimage.drape.girths import bust_height, chest_level, trunk_girth, waist_height
 from garmentimage.drape.world_panels import (
     FACING,
     Opening,
-    Points,
     WorldEdge,
     WorldPanel,
     band_height,
@@ -64,11 +63,11 @@ class SupportSite(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Seam:
-    """A seam in the world."""
+class ShoulderSeam:
+    """A seam over a shoulder, in the world."""
 
     sides: tuple[Side, Side]
-    points: Points
+    points: Points3
     """On both sides."""
 
 
@@ -83,7 +82,7 @@ class Support:
     """Whether the garment itself shows it; otherwise the height in its file did."""
     edges: tuple[WorldEdge, ...]
     """The free edges at its top."""
-    seams: tuple[Seam, ...]
+    seams: tuple[ShoulderSeam, ...]
     """Its shoulder seams."""
     crotch: float | None
     """Height of its crotch [cm]."""
@@ -102,11 +101,8 @@ def find_support(pattern: Pattern, panels: Mapping[str, WorldPanel], body: Body)
         return Support(SupportSite.SHOULDERS, reason, True, edges, seams, crotch)
     named = _named(pattern, edges)
     length = sum(edge.length for edge in edges)
-    if (
-        named is None
-        and seams
-        and 0 < length < TOO_SHORT_AT_WAIST * girth(body, waist_height(body))
-    ):
+    round_waist = trunk_girth(body, waist_height(body))
+    if named is None and seams and 0 < length < TOO_SHORT_AT_WAIST * round_waist:
         reason = f"its seams face up and its top edge of {length:.0f} cm is too short for the waist"
         return Support(SupportSite.SHOULDERS, reason, False, edges, seams, crotch)
     site, reason, is_certain = named or _waist_or_chest(pattern, panels, edges, crotch, body)
@@ -131,7 +127,7 @@ def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
     return [o for o in sided if o not in legs]
 
 
-def _shoulder_seams(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> tuple[Seam, ...]:
+def _shoulder_seams(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> tuple[ShoulderSeam, ...]:
     """The highest seams between front and back of the trunk that face up."""
     found, middle = [], middle_depth(panels)
     for stitch in pattern.stitches:
@@ -140,7 +136,9 @@ def _shoulder_seams(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> tuple
             continue
         sides = [panels[side.panel].edges[side.edge] for side in stitch.sides]
         if a.on_trunk and b.on_trunk and all(edge.faces_up for edge in sides):
-            found.append(Seam(stitch.sides, np.concatenate([edge.points for edge in sides])))
+            found.append(
+                ShoulderSeam(stitch.sides, np.concatenate([edge.points for edge in sides]))
+            )
     highest = max((float(seam.points[:, 1].max()) for seam in found), default=0.0)
     return tuple(seam for seam in found if seam.points[:, 1].max() > highest - TOP_BAND)
 
@@ -161,12 +159,11 @@ def _top_edges(openings: Sequence[Opening]) -> tuple[WorldEdge, ...]:
 def _named(pattern: Pattern, edges: Sequence[WorldEdge]) -> tuple[SupportSite, str, bool] | None:
     """What the names of the panels at the top say, if they do."""
     panels = [pattern.by_name[name] for name in dict.fromkeys(e.side.panel for e in edges)]
-    named = [p.name for p in panels if BOTTOM.search(p.name) or p.label == "leg"]
-    if named:
-        return SupportSite.WAIST, f"panel {named[0][:40]!r} at its top is named for the waist", True
-    named = [p.name for p in panels if TOP.search(p.name)]
-    if named:
-        return SupportSite.CHEST, f"panel {named[0][:40]!r} at its top is named for the chest", True
+    waist = [p.name for p in panels if BOTTOM.search(p.name) or p.label == "leg"]
+    chest = [p.name for p in panels if TOP.search(p.name)]
+    for site, named in ((SupportSite.WAIST, waist), (SupportSite.CHEST, chest)):
+        if named:
+            return site, f"panel {named[0][:40]!r} at its top is named for the {site.value}", True
     return None
 
 
@@ -182,12 +179,9 @@ def _waist_or_chest(
     height = top + floor_shift(pattern)
     in_file = SupportSite.WAIST if height < (waist + bust) / 2 else SupportSite.CHEST
     length = sum(e.length for e in edges)
-    if edges and length < TOO_SHORT * girth(body, bust):
-        return (
-            SupportSite.WAIST,
-            f"its top edge of {length:.0f} cm is too short for the chest",
-            True,
-        )
+    if edges and length < TOO_SHORT * trunk_girth(body, bust):
+        reason = f"its top edge of {length:.0f} cm is too short for the chest"
+        return SupportSite.WAIST, reason, True
     if edges and crotch is not None:
         rise, least = top - crotch, chest_level(body) - float(body.landmarks["crotch"][1])
         reason = f"its crotch lies {rise:.0f} cm below its top edge"

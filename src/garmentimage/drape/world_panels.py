@@ -13,11 +13,12 @@ Nothing here depends on where the origin of the pattern's file is, but for the m
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from garmentimage.body import Points3
+from garmentimage.geometry import connected_components
 from garmentimage.pattern import Panel, Pattern, Side
 from garmentimage.pattern.checks import components
 
@@ -33,15 +34,13 @@ its panel; the same downward."""
 SHARES = np.linspace(0, 1, 9)
 """Where along an edge its points are taken."""
 
-Points = Float[np.ndarray, "_ 3"]
-
 
 @dataclass(frozen=True, eq=False)
 class WorldEdge:
     """An edge of a panel in the world."""
 
     side: Side
-    points: Points
+    points: Points3
     length: float
     """[cm]"""
     up: float
@@ -49,7 +48,7 @@ class WorldEdge:
 
     @property
     def faces_up(self) -> bool:
-        """Whether its middle faces up."""
+        """By its middle."""
         return self.up > FACING
 
 
@@ -79,7 +78,7 @@ class Opening:
     edges: tuple[WorldEdge, ...]
 
     @cached_property
-    def points(self) -> Points:
+    def points(self) -> Points3:
         """Points along its edges."""
         return np.concatenate([e.points for e in self.edges])
 
@@ -129,49 +128,43 @@ def _world_panel(panel: Panel) -> WorldPanel:
 
 def connected_garments(pattern: Pattern) -> list[Pattern]:
     """The items of clothing of a pattern, each all sewn together, in the order of the file."""
-    found = []
-    for names in components(pattern):
-        own = set(names)
-        panels = tuple(panel for panel in pattern.panels if panel.name in own)
-        stitches = tuple(stitch for stitch in pattern.stitches if stitch.a.panel in own)
-        found.append(Pattern(panels, stitches, pattern.name))
-    return found
+    return [
+        Pattern(
+            tuple(panel for panel in pattern.panels if panel.name in names),
+            tuple(stitch for stitch in pattern.stitches if stitch.a.panel in names),
+            pattern.name,
+        )
+        for names in map(set, components(pattern))
+    ]
 
 
 def openings_of(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> list[Opening]:
     """The openings of a garment."""
-    root: dict[Any, Any] = {}
+    # The start of side k has the number 2 k, its end 2 k + 1; sewing makes ends one vertex.
+    number = {side: 2 * k for k, side in enumerate(pattern.sides())}
+    ends: list[tuple[int, int]] = []
     for panel in pattern.panels:
         first = 0
         for loop in panel.loops:
-            count = len(loop.edges)
-            for k in range(count):
-                side = Side(panel.name, first + k)
-                _join(root, (side, 1), (Side(panel.name, first + (k + 1) % count), 0))
-            first += count
+            own = [number[Side(panel.name, first + k)] for k in range(len(loop.edges))]
+            ends += [(own[k - 1] + 1, own[k]) for k in range(len(own))]
+            first += len(own)
     for stitch in pattern.stitches:
-        for end in (0, 1):
-            _join(root, (stitch.a, end), (stitch.b, end if stitch.same_direction else 1 - end))
+        a, b, turn = number[stitch.a], number[stitch.b], int(not stitch.same_direction)
+        ends += [(a, b + turn), (a + 1, b + 1 - turn)]
+    vertex = np.empty(2 * len(number), int)
+    for k, members in enumerate(connected_components(len(vertex), ends)):
+        vertex[members] = k
     free = [e for p in panels.values() for e in p.edges if e.side not in pattern.partners]
-    line: dict[Any, Any] = {}
-    for edge in free:
-        _join(line, _find(root, (edge.side, 0)), _find(root, (edge.side, 1)))
-    found: dict[Any, list[WorldEdge]] = {}
-    for edge in free:
-        found.setdefault(_find(line, _find(root, (edge.side, 0))), []).append(edge)
+    starts = [int(vertex[number[e.side]]) for e in free]
+    lines = [(a, int(vertex[number[e.side] + 1])) for a, e in zip(starts, free, strict=True)]
+    found: dict[int, list[WorldEdge]] = {}
+    line_of = {
+        v: k for k, line in enumerate(connected_components(len(vertex), lines)) for v in line
+    }
+    for start, edge in zip(starts, free, strict=True):
+        found.setdefault(line_of[start], []).append(edge)
     return [Opening(tuple(edges)) for edges in found.values()]
-
-
-def _find(root: dict[Any, Any], key: Any) -> Any:
-    root.setdefault(key, key)
-    while root[key] != key:
-        root[key] = root[root[key]]
-        key = root[key]
-    return key
-
-
-def _join(root: dict[Any, Any], a: Any, b: Any) -> None:
-    root[_find(root, b)] = _find(root, a)
 
 
 def crotch_of(pattern: Pattern, panels: Mapping[str, WorldPanel], top: float) -> float | None:
@@ -202,7 +195,7 @@ def _joins(pattern: Pattern, panels: Mapping[str, WorldPanel], side: Side) -> st
 
 
 def middle_depth(panels: Mapping[str, WorldPanel]) -> float:
-    """Depth halfway between the panels that are furthest in front and behind [cm]."""
+    """Depth halfway between the panels furthest in front and furthest behind [cm]."""
     depths = [float(panel.centre[2]) for panel in panels.values()]
     return (min(depths) + max(depths)) / 2
 
@@ -229,16 +222,16 @@ def band_height(
 
     0 where one of them is not sewn to others below.
     """
-    names = dict.fromkeys(edge.side.panel for edge in edges)
-    if any(not any(_goes_down(pattern, e, names) for e in panels[n].edges) for n in names):
-        return 0.0
-    below = {n: [e for e in panels[n].edges if _goes_down(pattern, e, names)] for n in names}
-    above = {n: [e for e in edges if e.side.panel == n] for n in names}
-    # Curved bands are as high as they are wide in the mean.
-    heights = [
-        2 * panels[n].area / max(sum(e.length for e in (*above[n], *below[n])), 1e-9) for n in names
-    ]
-    return max(heights, default=0.0)
+    heights = [0.0]
+    lower = below_band(pattern, panels, edges)
+    for name in dict.fromkeys(edge.side.panel for edge in edges):
+        below = [e for e in lower if e.side.panel == name]
+        if not below:
+            return 0.0
+        # The mean height of a curved band: its area over the mean length of its two edges.
+        around = sum(e.length for e in (*(e for e in edges if e.side.panel == name), *below))
+        heights.append(2 * panels[name].area / max(around, 1e-9))
+    return max(heights)
 
 
 def below_band(

@@ -7,6 +7,7 @@ from ._kernels_union_find import (
     union as union,
 )
 from .components import (
+    component_labels as component_labels,
     connected_components as connected_components,
 )
 from .crossings import (

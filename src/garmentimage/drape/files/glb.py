@@ -9,7 +9,6 @@ pattern and all else that a reader needs.
 
 import os
 from collections.abc import Mapping
-from dataclasses import asdict
 from io import BytesIO
 from types import MappingProxyType
 from typing import Any
@@ -120,8 +119,7 @@ def _mesh(
 
 
 def _extras(garment: DrapedGarment) -> dict[str, Any]:
-    cloth, body = garment.cloth, garment.body
-    report = asdict(garment.report)
+    cloth, body, report = garment.cloth, garment.body, garment.report
     return {
         "schema": SCHEMA,
         "uv_cm": UV_CM,
@@ -130,12 +128,7 @@ def _extras(garment: DrapedGarment) -> dict[str, Any]:
         "pattern": pattern_to_spec(cloth.pattern),
         "sides": [[s.panel, s.edge, corners.tolist()] for s, corners in cloth.sides.items()],
         "seams": [vertices.tolist() for vertices in seam_vertices(cloth)],
-        "report": report
-        | {
-            "slid": dict(garment.report.slid),
-            "faults": list(garment.report.faults),
-            "notes": list(garment.report.notes),
-        },
+        "report": vars(report) | {"slid": dict(report.slid)},
         "body": {
             "name": body.name,
             "pose": body.pose,
@@ -182,7 +175,7 @@ def read_glb(raw: bytes) -> DrapedGarment:
     if BODY not in scene.geometry:
         raise DrapeError("was written without its body; drape the pattern again with it")
     try:
-        return _worn(scene.geometry, extras)
+        return _garment(scene.geometry, extras)
     except _Damaged as error:
         reason = str(error)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, GarmentImageError):
@@ -191,7 +184,7 @@ def read_glb(raw: bytes) -> DrapedGarment:
     raise DrapeError(f"holds a damaged garment ({reason}); drape the pattern again")
 
 
-def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> DrapedGarment:
+def _garment(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> DrapedGarment:
     panels = [geometry[name] for name in extras["panels"]]
     sizes = [len(mesh.vertices) for mesh in panels]
     first = np.cumsum([0, *sizes[:-1]])
@@ -217,24 +210,21 @@ def _worn(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> DrapedGarme
 
 def _report(facts: Mapping[str, Any]) -> DrapeReport:
     """The report, every figure of its type."""
-    report = DrapeReport(
-        settled=bool(facts["settled"]),
-        frames=int(facts["frames"]),
-        speed=float(facts["speed"]),
-        penetration=float(facts["penetration"]),
-        strain=float(facts["strain"]),
-        slid={str(place): float(far) for place, far in facts["slid"].items()},
-        crossings=int(facts["crossings"]),
-        held=float(facts["held"]),
-        items=int(facts["items"]),
-        faults=tuple(str(fault) for fault in facts["faults"]),
-        notes=tuple(str(note) for note in facts.get("notes", ())),
-        seconds=float(facts["seconds"]),
-    )
-    numbers = [report.speed, report.penetration, report.strain, report.held, report.seconds]
-    if not np.isfinite([*numbers, *report.slid.values()]).all():
+    counts: Any = {name: int(facts[name]) for name in ("frames", "crossings", "items")}
+    numbers: Any = {
+        name: float(facts[name]) for name in ("speed", "penetration", "strain", "held", "seconds")
+    }
+    slid = {str(place): float(far) for place, far in facts["slid"].items()}
+    if not np.isfinite([*numbers.values(), *slid.values()]).all():
         raise _Damaged("its report has NaN or infinite values")
-    return report
+    return DrapeReport(
+        settled=bool(facts["settled"]),
+        slid=slid,
+        faults=tuple(map(str, facts["faults"])),
+        notes=tuple(map(str, facts.get("notes", ()))),
+        **counts,
+        **numbers,
+    )
 
 
 def _near(places: Any) -> Float[np.ndarray, "n k"]:
@@ -281,10 +271,4 @@ def _body(mesh: Any, facts: Mapping[str, Any]) -> Body:
     vertices, faces = _near(mesh.vertices) * METRE, np.asarray(mesh.faces, np.int32)
     if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
         raise _Damaged("its body has no triangles, or they refer to vertices that it does not have")
-    return Body(
-        vertices,
-        faces,
-        str(facts["name"]),
-        str(facts["pose"]),
-        MappingProxyType(places),
-    )
+    return Body(vertices, faces, str(facts["name"]), str(facts["pose"]), MappingProxyType(places))

@@ -17,7 +17,7 @@ from jaxtyping import Float, Int
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.mesh.triangulate import cloth_widths, split_sides, triangulate
 from garmentimage.errors import DrapeError, quoted
-from garmentimage.geometry import Curve, polyline_length
+from garmentimage.geometry import Curve, component_labels, polyline_length
 from garmentimage.pattern import Panel, Pattern, Side
 
 DEFAULT_VERTICES = 2000
@@ -147,11 +147,17 @@ def _mesh(pattern: Pattern, length: float) -> Cloth:
     parts = _parts(pattern, length)
     for _ in range(MAX_ATTEMPTS):
         rings = [_rings(p, parts) for p in pattern.panels]
-        meshes = [triangulate(r, _part_length(_width(r), length)) for r in rings]
+        widths = [float(np.median(cloth_widths(r))) for r in rings]
+        spacings = [_part_length(width, length) for width in widths]
+        meshes = [triangulate(r, h) for r, h in zip(rings, spacings, strict=True)]
         made = [m for m in meshes if m is not None]
         if len(made) == len(meshes):
             cloth = _sewn(pattern, parts, made)
-            faulty = _closed_parts(cloth)
+            faulty = [
+                side
+                for side, corners in cloth.sides.items()
+                if np.any(cloth.vertex[corners[1:]] == cloth.vertex[corners[:-1]])
+            ]
             if not faulty:
                 return _sewn(pattern, parts, _opened(cloth, made))
             finer = {side: CLOSED_PARTS * parts[side] for side in faulty}
@@ -175,19 +181,12 @@ def _parts(pattern: Pattern, length: float) -> dict[Side, int]:
     first = {s: max(1, round(pattern.curve(s).length / length)) for s in pattern.sides()}
     own: dict[Side, int] = {}
     for panel in pattern.panels:
-        widths = cloth_widths(_rings(panel, first))
-        at = 0
-        for k, curve in enumerate(panel.curves):
-            side = Side(panel.name, k)
-            width = float(np.median(widths[at : at + first[side]]))
-            at += first[side]
-            own[side] = _part_count(curve, _part_length(width, length))
+        sides = [Side(panel.name, k) for k in range(len(panel.edges))]
+        ends = np.cumsum([first[side] for side in sides])[:-1]
+        widths = np.split(cloth_widths(_rings(panel, first)), ends)
+        for side, curve, width in zip(sides, panel.curves, widths, strict=True):
+            own[side] = _part_count(curve, _part_length(float(np.median(width)), length))
     return _shared(pattern, own)
-
-
-def _width(rings: Sequence[Float[np.ndarray, "_ 2"]]) -> float:
-    """How wide a panel is for the most part [cm]."""
-    return float(np.median(cloth_widths(rings)))
 
 
 def _part_length(width: float, length: float) -> float:
@@ -225,14 +224,13 @@ def _rings(panel: Panel, parts: Mapping[Side, int]) -> list[Float[np.ndarray, "_
 
 def _corners(panel: Panel, parts: Mapping[Side, int], first: int) -> dict[Side, np.ndarray]:
     """Corners along each edge of a panel whose corners are numbered from `first`."""
-    corners, k = {}, 0
+    corners: dict[Side, np.ndarray] = {}
     for loop in panel.loops:
         start = first
         for _ in loop.edges:
-            side = Side(panel.name, k)
+            side = Side(panel.name, len(corners))
             corners[side] = np.arange(first, first + parts[side] + 1)
             first += parts[side]
-            k += 1
         corners[side][-1] = start
     return corners
 
@@ -260,27 +258,12 @@ def _vertices(
     pattern: Pattern, sides: Mapping[Side, np.ndarray], count: int
 ) -> Int[np.ndarray, " corner"]:
     """The vertex of each corner: numbers in the order of first corners."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    nothing = np.zeros(0, np.int64)
-    a = np.concatenate([nothing, *(sides[s.a] for s in pattern.stitches)])
-    b = [sides[s.b] if s.same_direction else sides[s.b][::-1] for s in pattern.stitches]
-    joins = coo_array((np.ones(len(a), bool), (a, np.concatenate([nothing, *b]))), (count, count))
-    _, label = connected_components(joins, directed=False)
-    _, first, vertex = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[vertex]
-
-
-def _closed_parts(cloth: Cloth) -> list[Side]:
-    """Sides with a part whose two ends are one vertex."""
-    return [
-        side
-        for side, corners in cloth.sides.items()
-        if np.any(cloth.vertex[corners[1:]] == cloth.vertex[corners[:-1]])
+    joins = [
+        np.stack([sides[s.a], sides[s.b] if s.same_direction else sides[s.b][::-1]], axis=1)
+        for s in pattern.stitches
     ]
+    joined = np.concatenate([np.zeros((0, 2), np.int64), *joins])
+    return component_labels(count, joined).astype(np.int64)
 
 
 def _opened(cloth: Cloth, made: Sequence[Triangles]) -> list[Triangles]:
@@ -295,5 +278,6 @@ def _opened(cloth: Cloth, made: Sequence[Triangles]) -> list[Triangles]:
     for k in np.unique(cloth.panel[sides[:, 0]]).tolist():
         first = int(np.searchsorted(cloth.panel, k))
         own = sides[cloth.panel[sides[:, 0]] == k] - first
-        opened[k] = split_sides(made[k][0], made[k][1], [(i, j) for i, j in own.tolist()])
+        points, faces = made[k]
+        opened[k] = split_sides(points, faces, [(i, j) for i, j in own.tolist()])
     return opened

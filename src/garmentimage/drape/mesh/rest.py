@@ -1,7 +1,7 @@
 """What a solver needs to know of a cloth at rest, taken from the flat panels once.
 
-- An **edge** is a pair of vertices that a side of a triangle joins, counted once where triangles
-  share it.
+An **edge** is a pair of vertices that a side of a triangle joins, counted once where triangles
+share it.
 """
 
 from dataclasses import dataclass
@@ -62,8 +62,10 @@ def rest_of(cloth: Cloth) -> Rest:
     """Rest lengths, areas and matrices of a cloth."""
     faces = cloth.vertex_faces
     flat = cloth.flat[cloth.faces]
-    to_second, to_third = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
-    doubled = _cross(to_second, to_third)
+    # The matrix with columns u and v, its determinant and its inverse.
+    u, v = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
+    doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    inverse = np.stack([v[:, 1], -v[:, 0], -u[:, 1], u[:, 0]], axis=1) / doubled[:, None]
     face_area = np.abs(doubled) / 2
     edges, edge, length = _edges(faces, flat, cloth.vertex_count)
     return Rest(
@@ -75,16 +77,17 @@ def rest_of(cloth: Cloth) -> Rest:
             faces.ravel(), np.repeat(face_area / 3, 3), minlength=cloth.vertex_count
         ),
         face_area=face_area,
-        inverse=_inverse(to_second, to_third, doubled),
+        inverse=inverse.reshape(-1, 2, 2),
     )
 
 
 def strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> Float[np.ndarray, " face"]:
     """How much longer than at rest each triangle is in the direction that stretches most.
 
-    0 at rest, 0.1 where a direction is 10 % longer; negative where all are shorter. The largest
-    singular value of the deformation gradient, less 1.
+    0 at rest, 0.1 where a direction is 10 % longer; negative where all are shorter.
     """
+    # The largest singular value of the deformation gradient F = (u v), less 1: that of F^T F is the
+    # square of it, in closed form.
     x = points[rest.faces]
     first, second = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
     m = rest.inverse
@@ -129,17 +132,3 @@ def _rest_length(
     np.minimum.at(least, edge, length)
     np.maximum.at(most, edge, length)
     return np.where(most > GATHERED * least, least, mean)
-
-
-def _inverse(
-    u: Float[np.ndarray, "face 2"], v: Float[np.ndarray, "face 2"], det: Float[np.ndarray, " face"]
-) -> Float[np.ndarray, "face 2 2"]:
-    """Inverse of the matrix with columns u and v, whose determinant is `det`."""
-    rows = np.stack([v[:, 1], -v[:, 0], -u[:, 1], u[:, 0]], axis=1) / det[:, None]
-    matrices: np.ndarray = rows.reshape(-1, 2, 2)
-    return matrices
-
-
-def _cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    areas: np.ndarray = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    return areas

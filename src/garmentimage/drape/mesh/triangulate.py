@@ -15,6 +15,7 @@ side of triangle t from its corner k to its corner k + 1, or -1 at the boundary.
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -83,13 +84,8 @@ def _inward(rings: Sequence[np.ndarray]) -> float:
 
 def _side_ends(rings: Sequence[np.ndarray]) -> Int[np.ndarray, " side"]:
     """For each point of the rings, the one after it."""
-    ends, first = [], 0
-    for ring in rings:
-        own = np.arange(first + 1, first + len(ring) + 1)
-        own[-1] = first
-        ends.append(own)
-        first += len(ring)
-    return np.concatenate(ends)
+    firsts = np.cumsum([0, *map(len, rings)])
+    return np.concatenate([a + np.roll(np.arange(b - a), -1) for a, b in pairwise(firsts)])
 
 
 def _outline_triangles(
@@ -108,5 +104,4 @@ def _outline_triangles(
     faces = faces.reshape(-1, 3)
     (ax, ay), (bx, by), (cx, cy) = (boundary[faces[:, k]].T for k in range(3))
     clockwise = (bx - ax) * (cy - ay) < (by - ay) * (cx - ax)
-    faces[clockwise] = faces[clockwise][:, ::-1]
-    return faces
+    return np.where(clockwise[:, None], faces[:, ::-1], faces)

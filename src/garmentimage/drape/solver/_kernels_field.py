@@ -9,8 +9,8 @@
 - **Inside** (`count_crossings`): the winding number along each line of nodes in z, as the sum of
   signed crossings of the surface below (Jacobson et al. 2013). Every line is met by triangles whose
   projection to the x-y plane holds it.
-- **Look-up** (`sample`): trilinear interpolation between the eight nodes round a place, and its
-  exact gradient.
+- **Look-up** (`sample_field`): trilinear interpolation between the eight nodes round a place, and
+  its exact gradient.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
@@ -49,8 +49,8 @@ def count_crossings(turns, points, faces):
     for f in range(len(faces)):
         a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
         # Lines of nodes over the bounding box of the triangle's projection.
-        for i in range(_from(a[0], b[0], c[0]), _to(a[0], b[0], c[0], nx)):
-            for j in range(_from(a[1], b[1], c[1]), _to(a[1], b[1], c[1], ny)):
+        for i in range(_from(a[0], b[0], c[0], 0.0), _to(a[0], b[0], c[0], 0.0, nx)):
+            for j in range(_from(a[1], b[1], c[1], 0.0), _to(a[1], b[1], c[1], 0.0, ny)):
                 at_c = (b[0] - a[0]) * (j - a[1]) - (b[1] - a[1]) * (i - a[0])
                 at_a = (c[0] - b[0]) * (j - b[1]) - (c[1] - b[1]) * (i - b[0])
                 at_b = (a[0] - c[0]) * (j - c[1]) - (a[1] - c[1]) * (i - c[0])
@@ -66,19 +66,19 @@ def count_crossings(turns, points, faces):
 
 
 @njit(cache=True)
-def _from(a, b, c):
-    """The first node within the extent of three coordinates."""
-    return max(int(np.ceil(min(a, b, c))), 0)
+def _from(a, b, c, band):
+    """The first node within the extent of three coordinates, or so near to it."""
+    return max(int(np.ceil(min(a, b, c) - band)), 0)
 
 
 @njit(cache=True)
-def _to(a, b, c, count):
-    """The node after the last within the extent of three coordinates."""
-    return min(int(np.floor(max(a, b, c))) + 1, count)
+def _to(a, b, c, band, count):
+    """The node after the last such one."""
+    return min(int(np.floor(max(a, b, c) + band)) + 1, count)
 
 
 @njit(cache=True)
-def sample(values, origin, per_cell, x, y, z):
+def sample_field(values, origin, per_cell, x, y, z):
     """Distance at a place, interpolated linearly along each axis, and its slope (4 numbers)."""
     nx, ny, nz = values.shape
     u = min(max((x - origin[0]) * per_cell, 0.0), nx - 1.0)
@@ -97,21 +97,18 @@ def sample(values, origin, per_cell, x, y, z):
     at0, at1 = at00 + (at10 - at00) * v, at01 + (at11 - at01) * v
     slope_x = (rise00 * (1 - v) + rise10 * v) * (1 - w) + (rise01 * (1 - v) + rise11 * v) * w
     slope_y = (at10 - at00) * (1 - w) + (at11 - at01) * w
-    return (
-        at0 + (at1 - at0) * w,
-        slope_x * per_cell,
-        slope_y * per_cell,
-        (at1 - at0) * per_cell,
-    )
+    slope_z = at1 - at0
+    return at0 + slope_z * w, slope_x * per_cell, slope_y * per_cell, slope_z * per_cell
 
 
 @njit(cache=True)
 def sample_all(values, origin, per_cell, points, distance, slope):
-    """`sample` for many places, into `distance` and `slope`."""
+    """`sample_field` for many places, into `distance` and `slope`."""
     for n in range(len(points)):
-        d, x, y, z = sample(values, origin, per_cell, points[n, 0], points[n, 1], points[n, 2])
-        distance[n] = d
-        slope[n, 0], slope[n, 1], slope[n, 2] = x, y, z
+        x, y, z = points[n]
+        distance[n], slope[n, 0], slope[n, 1], slope[n, 2] = sample_field(
+            values, origin, per_cell, x, y, z
+        )
 
 
 @njit(cache=True)
@@ -120,19 +117,13 @@ def stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band):
     nx, ny, nz = values.shape
     for f in range(len(faces)):
         a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
-        x0 = max(0, int(np.ceil(min(a[0], b[0], c[0]) - band)))
-        x1 = min(nx - 1, int(np.floor(max(a[0], b[0], c[0]) + band)))
-        y0 = max(0, int(np.ceil(min(a[1], b[1], c[1]) - band)))
-        y1 = min(ny - 1, int(np.floor(max(a[1], b[1], c[1]) + band)))
-        z0 = max(0, int(np.ceil(min(a[2], b[2], c[2]) - band)))
-        z1 = min(nz - 1, int(np.floor(max(a[2], b[2], c[2]) + band)))
         # Plane and bounding sphere of the triangle.
         n = face_normal[f]
         mx, my, mz = (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3
         radius = max(_apart(a, mx, my, mz), _apart(b, mx, my, mz), _apart(c, mx, my, mz))
-        for i in range(x0, x1 + 1):
-            for j in range(y0, y1 + 1):
-                for k in range(z0, z1 + 1):
+        for i in range(_from(a[0], b[0], c[0], band), _to(a[0], b[0], c[0], band, nx)):
+            for j in range(_from(a[1], b[1], c[1], band), _to(a[1], b[1], c[1], band, ny)):
+                for k in range(_from(a[2], b[2], c[2], band), _to(a[2], b[2], c[2], band, nz)):
                     # Most nodes are ruled out by the distance to the triangle's plane or middle.
                     height = (i - a[0]) * n[0] + (j - a[1]) * n[1] + (k - a[2]) * n[2]
                     limit = min(abs(values[i, j, k]), band)

@@ -36,7 +36,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, Int
 from numba import njit
 
-from garmentimage.drape.solver._kernels_field import sample
+from garmentimage.drape.solver._kernels_field import sample_field
 
 FRAME = 1.0 / 60.0
 """[s]"""
@@ -67,7 +67,7 @@ MIN_LENGTH = 1e-9
 """Keeps the direction of a spring of no length finite [cm]."""
 
 
-class State(NamedTuple):
+class SolverState(NamedTuple):
     """What passes from one span of frames to the next, beside the places."""
 
     displacement: Float[np.ndarray, "vertex 3"]
@@ -192,7 +192,7 @@ def simulate(points, speeds, span, state, model, schedule, rates):
         points: places of the vertices [cm]; is written to.
         speeds: mean speed of the vertices in each frame [cm/s]; is written to.
         span: first frame, and the one after the last.
-        state: a `State`; is written to.
+        state: a `SolverState`; is written to.
         model: a `Model`.
         schedule: a `Schedule`.
         rates: `Rates`.
@@ -248,6 +248,19 @@ def simulate(points, speeds, span, state, model, schedule, rates):
 
 
 @njit(cache=True)
+def _difference(points, i, others, j):
+    """The vector from row j of `others` to row i of `points`."""
+    return points[i, 0] - others[j, 0], points[i, 1] - others[j, 1], points[i, 2] - others[j, 2]
+
+
+@njit(cache=True)
+def _add(vectors, i, x, y, z):
+    vectors[i, 0] += x
+    vectors[i, 1] += y
+    vectors[i, 2] += z
+
+
+@njit(cache=True)
 def _look_ahead(points, displacement, share, ahead):
     """Places x + share u: where the vertices will be that share of a step later."""
     for i in range(len(points)):
@@ -261,21 +274,12 @@ def _stretch(points, springs, force):
     ends, lengths, stiffness = springs
     for e in range(len(ends)):
         a, b = ends[e, 0], ends[e, 1]
-        x = points[b, 0] - points[a, 0]
-        y = points[b, 1] - points[a, 1]
-        z = points[b, 2] - points[a, 2]
+        x, y, z = _difference(points, b, points, a)
         length = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
         # Force over length: k (1 - l / |d|), negative where the spring is compressed.
         tension = stiffness[e] * (1.0 - lengths[e] / length)
-        x *= tension
-        y *= tension
-        z *= tension
-        force[a, 0] += x
-        force[a, 1] += y
-        force[a, 2] += z
-        force[b, 0] -= x
-        force[b, 1] -= y
-        force[b, 2] -= z
+        _add(force, a, tension * x, tension * y, tension * z)
+        _add(force, b, -tension * x, -tension * y, -tension * z)
 
 
 @njit(cache=True)
@@ -309,7 +313,7 @@ def _find_planes(points, field, thickness, reach, state):
             continue
         # How far the vertex is outside of its own offset surface.
         p = points[i]
-        distance, x, y, z = sample(values, origin, per_cell, p[0], p[1], p[2])
+        distance, x, y, z = sample_field(values, origin, per_cell, p[0], p[1], p[2])
         clear = distance - thickness - lift[i]
         skipped[i] = min(max(int(clear * DISTANCE_TRUST / reach) - 1, 0), MAX_SKIPPED)
         if skipped[i] > 0:
@@ -317,9 +321,7 @@ def _find_planes(points, field, thickness, reach, state):
             planes[i, 3] = -np.inf
             continue
         length = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
-        x /= length
-        y /= length
-        z /= length
+        x, y, z = x / length, y / length, z / length
         # n . q = c for the nearest place q = p - clear n.
         planes[i, 0], planes[i, 1], planes[i, 2] = x, y, z
         planes[i, 3] = x * p[0] + y * p[1] + z * p[2] - clear
@@ -341,9 +343,7 @@ def _lift(points, triangles, springs, field, state):
     taut = np.zeros(len(points))
     for e in range(len(ends)):
         a, b = ends[e, 0], ends[e, 1]
-        x = points[b, 0] - points[a, 0]
-        y = points[b, 1] - points[a, 1]
-        z = points[b, 2] - points[a, 2]
+        x, y, z = _difference(points, b, points, a)
         stretch = np.sqrt(x * x + y * y + z * z) / (lengths[e] + MIN_LENGTH) - 1.0
         taut[a] = max(taut[a], stretch)
         taut[b] = max(taut[b], stretch)
@@ -381,7 +381,7 @@ def _needed_lift(points, field, planes, needed, a, b, c):
     x = share * (points[a, 0] + points[b, 0]) + rest * points[c, 0]
     y = share * (points[a, 1] + points[b, 1]) + rest * points[c, 1]
     z = share * (points[a, 2] + points[b, 2]) + rest * points[c, 2]
-    distance, u, v, w = sample(values, origin, per_cell, x, y, z)
+    distance, u, v, w = sample_field(values, origin, per_cell, x, y, z)
     min_dot = MIN_FACING * np.sqrt(u * u + v * v + w * w)
     # Raising a corner helps only where its plane faces the same way as the body here.
     for i in (a, b, c):
@@ -409,10 +409,9 @@ def _advance(points, displacement, i, x, y, z, max_shift):
     # A limit on speed keeps a vertex from jumping through an arm within one refresh.
     length = np.sqrt(x * x + y * y + z * z)
     share = max_shift / length if length > max_shift else 1.0
-    displacement[i, 0], displacement[i, 1], displacement[i, 2] = x * share, y * share, z * share
-    points[i, 0] += displacement[i, 0]
-    points[i, 1] += displacement[i, 1]
-    points[i, 2] += displacement[i, 2]
+    x, y, z = x * share, y * share, z * share
+    displacement[i, 0], displacement[i, 1], displacement[i, 2] = x, y, z
+    _add(points, i, x, y, z)
 
 
 @njit(cache=True)
@@ -466,8 +465,6 @@ def _mean_distance(points, others):
     """Mean distance between rows."""
     total = 0.0
     for i in range(len(points)):
-        x = points[i, 0] - others[i, 0]
-        y = points[i, 1] - others[i, 1]
-        z = points[i, 2] - others[i, 2]
+        x, y, z = _difference(points, i, others, i)
         total += np.sqrt(x * x + y * y + z * z)
     return total / len(points)

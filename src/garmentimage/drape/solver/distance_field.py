@@ -25,11 +25,9 @@ PAD = 5.0
 BAND = 2.0
 """Distances are exact up to this far from a body's skin [cm]."""
 BESIDE = np.array([1.2e-5, 2.3e-5, 0.0])
-"""How far beside a node its line of crossings runs [cells]."""
+"""How far beside a node its line of crossings runs [cell]."""
 CLOTH_BAND = 2.2
 """What lies up to this far behind settled cloth counts as inside [cm]."""
-FIELDS_KEPT = 4
-"""Bodies whose fields are kept; each takes some 6 MB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +76,9 @@ class DistanceField:
         return replace(self, values=values)
 
 
-@lru_cache(maxsize=FIELDS_KEPT)
+@lru_cache(maxsize=4)
 def body_field(body: Body) -> DistanceField:
-    """The field round a body; made once, its values are read-only."""
+    """The field round a body; made once and kept (some 6 MB), its values are read-only."""
     return surface_distance(body.vertices, body.faces)
 
 
@@ -109,8 +107,15 @@ def surface_distance(
     size = points.max(axis=0) + pad - origin
     shape = tuple(ceil(s / cell) + 1 for s in size)
     values = _near(shape, origin, cell, points, faces, BAND)
-    _carry_on(values, cell)
-    inside = _winding(shape, np.ascontiguousarray((points - origin) / cell), faces) > 0
+    far, back = np.isinf(values), np.s_[::-1, ::-1, ::-1]
+    sweep(values, far, cell)
+    sweep(values[back], far[back], cell)
+    # How often the surface goes round each node: along a line of nodes the number changes where
+    # the surface is crossed. Lines lie a hair beside the nodes, off its edges and corners.
+    turns = np.zeros(shape, np.int32)
+    scaled = np.ascontiguousarray((points - origin) / cell)
+    count_crossings(turns, scaled - BESIDE, faces.astype(np.int64))
+    inside = np.cumsum(turns, axis=2, dtype=np.int32) > 0
     values = np.where(inside, -np.abs(values), np.abs(values))
     values.setflags(write=False)
     return DistanceField(values, origin, cell)
@@ -139,6 +144,8 @@ def _pseudonormals(
     Float[np.ndarray, "face 3"], Float[np.ndarray, "face 3 3"], Float[np.ndarray, "vertex 3"]
 ]:
     """Normals of faces, of each face's edges (k, k+1) and of vertices; zero along open rims."""
+    # Baerentzen and Aanaes 2005: an edge has the sum of the normals of its two faces, a vertex the
+    # sum of those round it, weighted by the angles there.
     corners = points[faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
@@ -146,7 +153,6 @@ def _pseudonormals(
     following = np.roll(faces, -1, axis=1)
     key = np.minimum(faces, following).astype(np.int64) * len(points) + np.maximum(faces, following)
     _, edge, count = np.unique(key.ravel(), return_inverse=True, return_counts=True)
-    edge = edge.reshape(-1)
     whole = count == 2
     edge_normal = _sums(edge, np.repeat(normal, 3, axis=0), len(count)) * whole[:, None]
 
@@ -155,9 +161,8 @@ def _pseudonormals(
     angle = np.arctan2(
         np.linalg.norm(np.cross(ahead, behind), axis=2), (ahead * behind).sum(axis=2)
     )
-    vertex_normal = _sums(
-        faces.ravel(), (angle[:, :, None] * normal[:, None]).reshape(-1, 3), len(points)
-    )
+    weighted = (angle[:, :, None] * normal[:, None]).reshape(-1, 3)
+    vertex_normal = _sums(faces.ravel(), weighted, len(points))
     rim = ~whole[edge].reshape(faces.shape)
     vertex_normal[np.concatenate([faces[rim], following[rim]])] = 0.0
     return normal, edge_normal[edge].reshape(*faces.shape, 3), vertex_normal
@@ -168,26 +173,3 @@ def _sums(
 ) -> Float[np.ndarray, "group 3"]:
     """Sums of the vectors that share an index."""
     return np.stack([np.bincount(index, v, minlength=count) for v in vectors.T], axis=1)
-
-
-def _carry_on(values: Float32[np.ndarray, "x y z"], cell: float) -> None:
-    """Fill the infinite places from the near ones, in place: once through the grid and back."""
-    far = np.isinf(values)
-    back = np.s_[::-1, ::-1, ::-1]
-    sweep(values, far, cell)
-    sweep(values[back], far[back], cell)
-
-
-def _winding(
-    shape: tuple[int, ...],
-    points: Float[np.ndarray, "vertex 3"],
-    faces: Int[np.ndarray, "face 3"],
-) -> Int[np.ndarray, "x y z"]:
-    """How often a closed surface goes round each node; `points` in cells from the first node.
-
-    Along each line of nodes, the number changes where the surface is crossed. The lines lie a hair
-    beside the nodes, so that they do not run through its edges and corners.
-    """
-    turns = np.zeros(shape, np.int32)
-    count_crossings(turns, points - BESIDE, faces.astype(np.int64))
-    return np.cumsum(turns, axis=2, dtype=np.int32)

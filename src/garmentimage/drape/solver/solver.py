@@ -35,8 +35,8 @@ from garmentimage.drape.solver._kernels_step import (
     Pins,
     Rates,
     Schedule,
+    SolverState,
     Springs,
-    State,
     Triangles,
     simulate,
 )
@@ -152,27 +152,17 @@ def solve(
     assert np.isfinite(start).all() and len(rest.vertex_area) == count
     assert not rest.edges.size or 0 <= rest.edges.min() <= rest.edges.max() < count
     model, schedule = _model(rest, field, fabric, attachment, with_friction, settings)
-    rates = Rates(
-        settings.gather_damping,
-        settings.max_speed,
-        settings.push_speed,
-        settings.stop_speed,
-        settings.gravity,
-    )
+    rates = Rates(*(getattr(settings, name) for name in Rates._fields))
     points = np.array(start, dtype=float, order="C")
     speeds = np.zeros(settings.max_frames)
-    state, settled, frames = _initial_state(count), False, 0
+    # No motion, no contact yet (planes at minus infinity), and no lift.
+    planes = np.tile([0.0, 0.0, 0.0, -np.inf], (count, 1))
+    state = SolverState(np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count))
+    settled, frames = False, 0
     span = settings.max_frames if watch is None else WATCHED_FRAMES
     while frames < settings.max_frames and not settled:
-        frames, settled = simulate(
-            points,
-            speeds,
-            (frames, min(frames + span, settings.max_frames)),
-            state,
-            model,
-            schedule,
-            rates,
-        )
+        ahead = (frames, min(frames + span, settings.max_frames))
+        frames, settled = simulate(points, speeds, ahead, state, model, schedule, rates)
         if watch is not None:
             watch(frames, settings.max_frames)
     return Motion(points, frames, speeds[:frames], bool(settled))
@@ -214,13 +204,6 @@ def _model(
     return model, Schedule(settings.gather_frames, settings.min_frames, substeps, refresh)
 
 
-def _initial_state(count: int) -> State:
-    """No motion, no contact yet, and no lift."""
-    planes = np.zeros((count, 4))
-    planes[:, 3] = -np.inf
-    return State(np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count))
-
-
 def _flat(rest: Rest) -> Float[np.ndarray, "face 3 2"]:
     """The flat triangles, each with its first corner at the origin [cm]."""
     sides = np.linalg.inv(rest.inverse).transpose(0, 2, 1)
@@ -251,7 +234,7 @@ def _pins(
 ) -> Pins:
     """Springs to the targets as an implicit step solves them: h^2 k / m over one more than that."""
     if attachment is None:
-        return Pins(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+        attachment = Attachment(np.zeros(0, int), np.zeros((0, 3)), np.zeros((0, 3)))
     vertices = attachment.vertices.astype(np.int64)
     strength = attachment.stiffness * (step**2 / inertia[vertices])[:, None]
     share = 1.0 - 1.0 / (1.0 + strength)

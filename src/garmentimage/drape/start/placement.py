@@ -26,11 +26,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from garmentimage.body import Body
-from garmentimage.drape.girths import chest_level, girth, shoulder, shoulder_seam_rise, waist_height
+from garmentimage.body import Body, Points3
+from garmentimage.drape.girths import (
+    chest_level,
+    shoulder,
+    shoulder_seam_rise,
+    trunk_girth,
+    waist_height,
+)
 from garmentimage.drape.support import BAND, Support, SupportSite, find_support
 from garmentimage.drape.world_panels import (
-    Points,
     WorldEdge,
     WorldPanel,
     band_height,
@@ -42,7 +47,7 @@ from garmentimage.drape.world_panels import (
     seam_length,
 )
 from garmentimage.errors import DraftError
-from garmentimage.pattern import Circle, Edge, Loop, Panel, Pattern, Side
+from garmentimage.pattern import Circle, Loop, Panel, Pattern, Side
 from garmentimage.pattern.checks import symmetry_plane
 
 EASE = 8.0
@@ -81,8 +86,28 @@ DEPTH_END = 0.25
 """The panels in front are those in this share of the depth of the whole garment."""
 
 
-@dataclass(frozen=True)
-class Placement:
+@dataclass(frozen=True, kw_only=True)
+class _Hold:
+    """How far up an item of clothing goes, and what holds it there."""
+
+    shift_up: float
+    """How far up it was moved in all, after scaling [cm]."""
+    edges: tuple[Side, ...]
+    """The edges that are worn at its level: the free edges at its top, as a rule."""
+    level: float
+    """Height at which it is worn [cm]: of the neck points, or the mean of its top edge."""
+    length: float = 0.0
+    """Length of its top edge or, strapless, how wide it is under it, where it is tightest [cm]."""
+    girth: float = 0.0
+    """How far round the body is at its waist, or at the chest where it should hold [cm]."""
+    is_supported: bool = False
+    """Whether its top edge can hold it there."""
+    drawn_length: float = 0.0
+    """Length to which a belt or an elastic draws its top edge together [cm]; 0 not at the waist."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement(_Hold):
     """Where an item of clothing was put on a body, and what holds it there."""
 
     site: SupportSite
@@ -92,28 +117,14 @@ class Placement:
     """Whether the garment itself shows it; otherwise only the height in its file did."""
     panels: frozenset[str]
     """Names of its panels."""
-    edges: tuple[Side, ...]
-    """The edges that are worn at its level: the free edges at its top, as a rule."""
     seams: tuple[Side, ...]
     """The sides of its shoulder seams."""
-    shift_up: float
-    """How far up it was moved in all, after scaling [cm]."""
     shift_forward: float
     """How far it was moved to the front [cm]."""
     shift_left: float
     """How far it was moved to the wearer's left, as the whole pattern was [cm]."""
     scale: float
     """What its lengths were multiplied by."""
-    level: float
-    """Height at which it is worn [cm]: of the neck points, or the mean of its top edge."""
-    length: float
-    """Length of its top edge or, strapless, how wide it is under it, where it is tightest [cm]."""
-    girth: float
-    """How far round the body is at its waist, or at the chest where it should hold [cm]."""
-    is_supported: bool
-    """Whether its top edge can hold it there."""
-    drawn_length: float
-    """Length to which a belt or an elastic draws its top edge together [cm]; 0 not at the waist."""
 
 
 def place_on_body(
@@ -134,8 +145,15 @@ def place_on_body(
     Raises:
         DraftError: `made_for` is out of range.
     """
-    stature = float(np.ptp(body.vertices[:, 1]))
-    scale = 1.0 if made_for is None else stature / _checked(made_for)
+    scale = 1.0
+    if made_for is not None:
+        low, high = STATURES
+        if not low <= made_for <= high:
+            raise DraftError(
+                f"a pattern cannot be made for a stature of {made_for:g} cm; "
+                f"give {low:g} to {high:g} cm"
+            )
+        scale = float(np.ptp(body.vertices[:, 1])) / made_for
     moved: dict[str, Panel] = {}
     found = []
     scaled = _scaled(pattern, scale)
@@ -152,39 +170,23 @@ def _place(pattern: Pattern, body: Body, scale: float, left: float) -> tuple[Pat
     support = find_support(pattern, panels, body)
     match support.site:
         case SupportSite.SHOULDERS:
-            place = _on_shoulders(panels, support, body)
+            hold = _on_shoulders(panels, support, body)
         case SupportSite.WAIST:
-            place = _at_waist(pattern, panels, support, body)
+            hold = _at_waist(pattern, panels, support, body)
         case SupportSite.CHEST:
-            place = _at_chest(panels, support, body)
-    forward = _forward(panels, body, place.up)
+            hold = _at_chest(panels, support, body)
     report = Placement(
+        **vars(hold),
         site=support.site,
         reason=support.reason,
         is_certain=support.is_certain,
         panels=frozenset(panels),
-        edges=tuple(edge.side for edge in place.edges),
         seams=tuple(side for seam in support.seams for side in seam.sides),
-        shift_up=place.up,
-        shift_forward=forward,
+        shift_forward=_forward(panels, body, hold.shift_up),
         shift_left=left,
         scale=scale,
-        level=place.level,
-        length=place.length,
-        girth=place.girth,
-        is_supported=place.is_supported,
-        drawn_length=place.drawn_length,
     )
-    return _moved(pattern, (0.0, place.up, forward)), report
-
-
-def _checked(stature: float) -> float:
-    low, high = STATURES
-    if not low <= stature <= high:
-        raise DraftError(
-            f"a pattern cannot be made for a stature of {stature:g} cm; give {low:g} to {high:g} cm"
-        )
-    return stature
+    return _moved(pattern, (0.0, report.shift_up, report.shift_forward)), report
 
 
 # --- Moving --------------------------------------------------------------------------------------
@@ -193,12 +195,11 @@ def _checked(stature: float) -> float:
 def _moved(pattern: Pattern, by: tuple[float, float, float]) -> Pattern:
     if not any(by):
         return pattern
-    return replace(pattern, panels=tuple(_moved_panel(p, by) for p in pattern.panels))
-
-
-def _moved_panel(panel: Panel, by: tuple[float, float, float]) -> Panel:
-    (x, y, z), (left, up, forward) = panel.translation, by
-    return replace(panel, translation=(x + left, y + up, z + forward))
+    left, up, forward = by
+    places = [panel.translation for panel in pattern.panels]
+    shifted = [(x + left, y + up, z + forward) for x, y, z in places]
+    panels = zip(pattern.panels, shifted, strict=True)
+    return replace(pattern, panels=tuple(replace(p, translation=to) for p, to in panels))
 
 
 def _scaled(pattern: Pattern, scale: float) -> Pattern:
@@ -209,49 +210,28 @@ def _scaled(pattern: Pattern, scale: float) -> Pattern:
 
 
 def _scaled_panel(panel: Panel, scale: float) -> Panel:
+    outline, *holes = (_scaled_loop(loop, scale) for loop in panel.loops)
     x, y, z = panel.translation
-    return replace(
-        panel,
-        outline=_scaled_loop(panel.outline, scale),
-        holes=tuple(_scaled_loop(hole, scale) for hole in panel.holes),
-        translation=(x * scale, y * scale, z * scale),
-    )
+    to = (x * scale, y * scale, z * scale)
+    return replace(panel, outline=outline, holes=tuple(holes), translation=to)
 
 
 def _scaled_loop(loop: Loop, scale: float) -> Loop:
-    return replace(
-        loop,
-        vertices=tuple((x * scale, y * scale) for x, y in loop.vertices),
-        edges=tuple(_scaled_edge(edge, scale) for edge in loop.edges),
-    )
-
-
-def _scaled_edge(edge: Edge, scale: float) -> Edge:
-    """Only arcs hold a length; control points are relative to the edge."""
-    if not isinstance(edge.curvature, Circle):
-        return edge
-    return replace(edge, curvature=replace(edge.curvature, radius=edge.curvature.radius * scale))
+    # Only circles hold a length; control points of other curves are relative to the edge.
+    edges = [
+        replace(edge, curvature=replace(edge.curvature, radius=edge.curvature.radius * scale))
+        if isinstance(edge.curvature, Circle)
+        else edge
+        for edge in loop.edges
+    ]
+    vertices = tuple((x * scale, y * scale) for x, y in loop.vertices)
+    return replace(loop, vertices=vertices, edges=tuple(edges))
 
 
 # --- Height --------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _VerticalPlacement:
-    """How far up a garment goes, and the fields of `Placement` that say what holds it there."""
-
-    up: float
-    edges: tuple[WorldEdge, ...]
-    level: float
-    length: float = 0.0
-    girth: float = 0.0
-    is_supported: bool = False
-    drawn_length: float = 0.0
-
-
-def _on_shoulders(
-    panels: Mapping[str, WorldPanel], support: Support, body: Body
-) -> _VerticalPlacement:
+def _on_shoulders(panels: Mapping[str, WorldPanel], support: Support, body: Body) -> _Hold:
     neck = float(body.landmarks["left_neck_point"][1])
     over = _over_shoulders([seam.points for seam in support.seams], body)
     if len(over):
@@ -259,18 +239,18 @@ def _on_shoulders(
     else:
         # Seams beyond the shoulders, or sleeves that go up to the neckline.
         up = neck - (mean_height(support.edges) if support.edges else _highest(panels))
-    if _has_one_strap(support):
+    sides = {bool(seam.points[:, 0].mean() > 0) for seam in support.seams}
+    if len(sides) == 1:
+        # Only one shoulder carries it, so that its top edge has to hold it on the other.
         return _tight_at_chest(panels, support.edges, body, up - shoulder_seam_rise(body) + TOUCH)
-    return _VerticalPlacement(up, support.edges, neck)
+    return _Hold(shift_up=up, edges=_sides(support.edges), level=neck)
 
 
-def _has_one_strap(support: Support) -> bool:
-    """Whether only one shoulder carries it, so that its top edge has to hold it on the other."""
-    middles = [float(seam.points[:, 0].mean()) for seam in support.seams]
-    return bool(middles) and len({x > 0 for x in middles}) == 1
+def _sides(edges: Sequence[WorldEdge]) -> tuple[Side, ...]:
+    return tuple(edge.side for edge in edges)
 
 
-def _over_shoulders(seams: Sequence[Points], body: Body) -> Float[np.ndarray, " n"]:
+def _over_shoulders(seams: Sequence[Points3], body: Body) -> Float[np.ndarray, " n"]:
     """How far the points of seams lie over the line from neck point to shoulder point [cm]."""
     if not seams:
         return np.empty(0)
@@ -289,32 +269,39 @@ def _highest(panels: Mapping[str, WorldPanel]) -> float:
 
 def _at_waist(
     pattern: Pattern, panels: Mapping[str, WorldPanel], support: Support, body: Body
-) -> _VerticalPlacement:
+) -> _Hold:
     """The top edge at the waist, or as far down as the body is thick enough to hold it."""
     waist, crotch = waist_height(body), float(body.landmarks["crotch"][1])
     edges, band = support.edges, band_height(pattern, panels, support.edges)
-    length, round_waist = sum(e.length for e in edges), girth(body, waist)
+    length, round_waist = sum(e.length for e in edges), trunk_girth(body, waist)
     ring = below_band(pattern, panels, edges) if 0 < band <= FRILL else ()
     if ring and (narrow := sum(seam_length(pattern, e) for e in ring)) < length - EASE:
         # A frill is worn by its lower edge.
         edges, length, band = ring, narrow, 0.0
     top = mean_height(edges) if edges else _highest(panels)
     shortest = length - EASE
-    if shortest > round_waist and _has_elastic(pattern, edges):
+    labels = {pattern.by_name[e.side.panel].edges[e.side.edge].label for e in edges}
+    if shortest > round_waist and labels == {ELASTIC}:
         shortest = DRAWN_TOGETHER * length
     levels = np.arange(waist, crotch, -LEVEL_STEP).tolist()
-    fits = next((y for y in levels if girth(body, y) >= shortest), None)
+    fits = next((y for y in levels if trunk_girth(body, y) >= shortest), None)
     level = waist if fits is None else fits
     # What is shorter than the body is round is tight already.
-    loose = fits is not None and length > girth(body, level)
-    drawn_length = girth(body, level) - TIGHT if loose else length
+    loose = fits is not None and length > trunk_girth(body, level)
+    drawn_length = trunk_girth(body, level) - TIGHT if loose else length
     if level == waist:
         level += min(band, BAND_ABOVE) if band <= BAND else 0.0
     up = level - top
     if support.crotch is not None:
         up = min(up, crotch - CROTCH_ROOM - support.crotch)
-    return _VerticalPlacement(
-        up, edges, top + up, length, round_waist, fits is not None, drawn_length
+    return _Hold(
+        shift_up=up,
+        edges=_sides(edges),
+        level=top + up,
+        length=length,
+        girth=round_waist,
+        is_supported=fits is not None,
+        drawn_length=drawn_length,
     )
 
 
@@ -323,20 +310,13 @@ def on_hips(body: Body) -> float:
     return ON_HIPS * (waist_height(body) - float(body.landmarks["crotch"][1]))
 
 
-def _has_elastic(pattern: Pattern, edges: Sequence[WorldEdge]) -> bool:
-    """Whether all of the top edge is labelled to be drawn together."""
-    labels = [pattern.by_name[e.side.panel].edges[e.side.edge].label for e in edges]
-    return bool(labels) and set(labels) == {ELASTIC}
-
-
-def _at_chest(panels: Mapping[str, WorldPanel], support: Support, body: Body) -> _VerticalPlacement:
+def _at_chest(panels: Mapping[str, WorldPanel], support: Support, body: Body) -> _Hold:
     """The top edge over the bust; it holds where the garment is tight enough under it."""
     level, edges = chest_level(body), support.edges
     if not edges:
-        return _VerticalPlacement(level - _highest(panels), (), level)
-    return _tight_at_chest(
-        panels, edges, body, level - max(mean_height(edges), _side_height(edges))
-    )
+        return _Hold(shift_up=level - _highest(panels), edges=(), level=level)
+    up = level - max(mean_height(edges), _side_height(edges))
+    return _tight_at_chest(panels, edges, body, up)
 
 
 def _side_height(edges: Sequence[WorldEdge]) -> float:
@@ -347,18 +327,17 @@ def _side_height(edges: Sequence[WorldEdge]) -> float:
 
 def _tight_at_chest(
     panels: Mapping[str, WorldPanel], edges: tuple[WorldEdge, ...], body: Body, up: float
-) -> _VerticalPlacement:
+) -> _Hold:
     """A garment moved `up` that is held where it is tightest under its top edge at the sides."""
     side = min(_side_height(edges), chest_level(body) - up)
     heights = np.arange(side - LEVEL_STEP, side - TIGHT_WITHIN, -LEVEL_STEP).tolist()
-    widths = [(girth_at(panels, y), girth(body, y + up)) for y in heights]
+    widths = [(girth_at(panels, y), trunk_girth(body, y + up)) for y in heights]
     widths = [(own, around) for own, around in widths if own > 0]
+    hold = _Hold(shift_up=up, edges=_sides(edges), level=mean_height(edges) + up)
     if not widths:
-        return _VerticalPlacement(up, edges, mean_height(edges) + up)
+        return hold
     length, around = min(widths, key=lambda pair: pair[0] - pair[1])
-    return _VerticalPlacement(
-        up, edges, mean_height(edges) + up, length, around, length <= around + EASE
-    )
+    return replace(hold, length=length, girth=around, is_supported=length <= around + EASE)
 
 
 # --- Depth ---------------------------------------------------------------------------------------

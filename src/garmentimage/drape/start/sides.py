@@ -3,15 +3,15 @@
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float
 
+from garmentimage.body import Vector3
 from garmentimage.drape.cloth import Cloth
 from garmentimage.pattern import Side
 
 CHEST = 0.7
 """Where the chest is on the way from the waist to the shoulder joints."""
 
-Landmarks = Mapping[str, Float[np.ndarray, " 3"]]
+Landmarks = Mapping[str, Vector3]
 """Landmarks of a body [cm]."""
 
 
@@ -21,7 +21,7 @@ def chest(landmarks: Landmarks) -> float:
     return float(waist + CHEST * (shoulder - waist))
 
 
-def of_side(landmarks: Landmarks, name: str, side: int) -> Float[np.ndarray, " 3"]:
+def of_side(landmarks: Landmarks, name: str, side: int) -> Vector3:
     """A landmark of the left side, or where it would be on the right (-1)."""
     return landmarks[name] * [side, 1, 1]
 

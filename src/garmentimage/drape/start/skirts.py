@@ -36,11 +36,8 @@ def hang_skirts(
 ) -> None:
     """Bend down the sides of panels that begin at the waist and would reach up to the arms."""
     tops = _tops(cloth, placements)
-    reach, waist, high = (
-        landmarks["left_shoulder_joint"][0],
-        landmarks["waist_front"][1],
-        chest(landmarks),
-    )
+    reach, waist = landmarks["left_shoulder_joint"][0], landmarks["waist_front"][1]
+    high = chest(landmarks)
     for k in range(len(cloth.pattern.panels)):
         own = np.flatnonzero(cloth.panel == k)
         seam = _round_seam(cloth, corners, k, tops)
@@ -51,7 +48,10 @@ def hang_skirts(
                 corners[own, 1] += level - corners[line, 1].mean()
             continue
         if k in tops:
-            corners[own, 1] += _levelling(corners, own, *tops[k])
+            # Corners go up or down with the top edge above them, until that is level.
+            line, level = tops[k]
+            x, y = corners[line[np.argsort(corners[line, 0], kind="stable")], :2].T
+            corners[own, 1] += level - np.interp(corners[own, 0], x, y)
         away, height = np.abs(corners[own, 0]), corners[own, 1]
         top = float(height[away <= reach].max(initial=waist))
         if top > high or height.max() < high or height.mean() > waist:
@@ -76,17 +76,8 @@ def _tops(
     return {k: (np.unique(np.concatenate(found)), level) for k, (found, level) in lines.items()}
 
 
-def _levelling(
-    corners: np.ndarray, own: np.ndarray, line: np.ndarray, level: float
-) -> Float[np.ndarray, " n"]:
-    """How far up the corners of a panel go for its top edge to be level [cm]."""
-    x, y = corners[line[np.argsort(corners[line, 0], kind="stable")], :2].T
-    lift: np.ndarray = level - np.interp(corners[own, 0], x, y)
-    return lift
-
-
 @dataclass(frozen=True)
-class _Seam:
+class _RoundSeam:
     """The round seam by which half of a circle skirt hangs from what is over it."""
 
     middle: float
@@ -102,7 +93,7 @@ def _round_seam(
     corners: np.ndarray,
     panel: int,
     tops: Mapping[int, tuple[Int[np.ndarray, " _"], float]],
-) -> _Seam | None:
+) -> _RoundSeam | None:
     """The seam, or the top edge, of a panel that is half of a circle skirt."""
     name, lines = cloth.pattern.panels[panel].name, []
     if panel in tops:
@@ -132,10 +123,10 @@ def _round_seam(
     )
     if not hangs or off > OUT_OF_ROUND or abs(centre[0] + u) > radius / 2:
         return None
-    return _Seam(float(centre[1] + v), radius, most)
+    return _RoundSeam(float(centre[1] + v), radius, most)
 
 
-def _cone(points: np.ndarray, seam: _Seam, least: float) -> Float[np.ndarray, "corner 3"]:
+def _cone(points: np.ndarray, seam: _RoundSeam, least: float) -> Float[np.ndarray, "corner 3"]:
     """Half of a circle skirt laid round the body, its sides where the wearer's are [cm].
 
     The seam goes round the body with its own radius, or `least` where that is more.

@@ -28,12 +28,14 @@ def lay_sleeve(cloth: Cloth, corners: np.ndarray, landmarks: Landmarks, side: in
         of_side(landmarks, f"left_{n}_joint", side)[:2] for n in ("shoulder", "wrist")
     )
     sleeve = _sleeve(cloth, corners, landmarks, side)
-    armhole = corners[_armhole(cloth, sleeve), :2]
+    on_trunk = np.zeros(cloth.vertex_count, bool)
+    on_trunk[cloth.vertex[~sleeve]] = True
+    armhole = corners[sleeve & on_trunk[cloth.vertex], :2]
     rings = [corners[ring, :2] for ring in _rings(cloth, sleeve)]
     if not len(armhole) or not rings:
         return
-    way = rings[0].mean(axis=0) - armhole.mean(axis=0)
-    up = side * np.array([-way[1], way[0]])
+    along = rings[0].mean(axis=0) - armhole.mean(axis=0)
+    up = side * np.array([-along[1], along[0]])
     into, out = _arms_place(armhole, up), _arms_place(min(rings, key=lambda r: np.ptp(r @ up)), up)
     arm = wrist - shoulder
     long_enough = np.hypot(*(out - into)) > MIN_TURNED_LENGTH
@@ -79,14 +81,6 @@ def _sleeve(
     return np.isin(cloth.panel, [k for k, panel in enumerate(panels) if panel.name in found])
 
 
-def _armhole(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> Bool[np.ndarray, " corner"]:
-    """Corners along which a sleeve is sewn to the trunk."""
-    trunk = np.zeros(cloth.vertex_count, bool)
-    trunk[cloth.vertex[~sleeve]] = True
-    sewn: np.ndarray = sleeve & trunk[cloth.vertex]
-    return sewn
-
-
 def _rings(cloth: Cloth, sleeve: Bool[np.ndarray, " corner"]) -> list[Int[np.ndarray, " _"]]:
     """Corners on lines across a sleeve: its free edges, and the seams of a cuff.
 
@@ -118,5 +112,5 @@ def _arms_place(
     return place
 
 
-def _angle(way: Float[np.ndarray, " 2"]) -> float:
-    return float(np.arctan2(way[1], way[0]))
+def _angle(v: Float[np.ndarray, " 2"]) -> float:
+    return float(np.arctan2(v[1], v[0]))

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.body import Body
-from garmentimage.drape.girths import girth
+from garmentimage.drape.girths import trunk_girth
 from garmentimage.drape.mesh import Rest
 
 ROOM = 0.92
@@ -43,4 +43,4 @@ def _share(x: np.ndarray, body: Body, level: float) -> float:
     """Girth of the body as a share of the cloth's at some level, at most 1."""
     if not len(x):
         return 1.0
-    return min(ROOM * girth(body, float(level)) / max(2 * float(np.ptp(x)), 1e-6), 1.0)
+    return min(ROOM * trunk_girth(body, float(level)) / max(2 * float(np.ptp(x)), 1e-6), 1.0)

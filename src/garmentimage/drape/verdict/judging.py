@@ -1,7 +1,5 @@
 """Assessment of a drape: its quality, and what makes it a failure."""
 
-from collections.abc import Mapping
-
 import numpy as np
 from jaxtyping import Float
 
@@ -63,8 +61,22 @@ def assess_drape(
     above = body_field(body).at(points)
     penetration = deepest(points, rest.faces, body)
     stretch = peak_strain(rest, points)
-    tight = tight_places(cloth, strain(rest, points), points, body) if stretch > MAX_STRAIN else ""
-    slid = _slid(points, start, above, body, items)
+    slid: dict[str, float] = {}
+    faults = []
+    if not settled:
+        faults.append(f"it still moved after {frames} frames ({speed:.1f} cm/s)")
+    if penetration > MAX_PENETRATION:
+        faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {MAX_PENETRATION})")
+    if stretch > MAX_STRAIN:
+        tight = tight_places(cloth, strain(rest, points), points, body)
+        faults.append(
+            f"it is too tight: stretched by {stretch:.1%} (at most {MAX_STRAIN:.0%}), {tight}"
+        )
+    for item in items:
+        place, off = item.placement.site.value, _off(item, points, start, above, body)
+        slid[place] = max(slid.get(place, 0.0), off)
+        if _has_slid(item, points, body, off):
+            faults.append(f"it slid {off:.1f} cm from the {place}{_too_wide(item.placement)}")
     return DrapeReport(
         settled=settled,
         frames=frames,
@@ -75,29 +87,20 @@ def assess_drape(
         crossings=crossing_count(points, rest.faces),
         held=sum(len(i.pinned) for i in items) / len(points),
         items=len(items),
-        faults=(
-            *_motion_faults(settled, frames, speed, penetration, stretch, tight),
-            *_slid_faults(points, start, above, body, items),
-            *_limb_faults(rest.faces, start, points, body),
-        ),
+        faults=(*faults, *_limb_faults(rest.faces, start, points, body)),
         notes=_notes(items, body),
         seconds=seconds,
     )
 
 
-def _slid(
-    points: np.ndarray,
-    start: np.ndarray,
-    above: np.ndarray,
-    body: Body,
-    items: tuple[GarmentItem, ...],
-) -> Mapping[str, float]:
-    """How far each item lies from where it is worn, the worst of each kind [cm]."""
-    slid: dict[str, float] = {}
-    for item in items:
-        name = item.placement.site.value
-        slid[name] = max(slid.get(name, 0.0), _off(item, points, start, above, body))
-    return slid
+def _has_slid(item: GarmentItem, points: np.ndarray, body: Body, off: float) -> bool:
+    """Whether an item that lies so far off is not where the body wears it."""
+    placement = item.placement
+    if placement.site is not SupportSite.WAIST or not placement.is_supported:
+        return off > MAX_SLID
+    # Worn on the hips, as its top edge is too long for the waist; it must not sink further.
+    sank = placement.level - float(points[item.top, 1].mean()) if len(item.top) else 0.0
+    return off > on_hips(body) or sank > MAX_SLID
 
 
 def _off(
@@ -148,49 +151,6 @@ def _aside(before: Float[np.ndarray, " n"], after: Float[np.ndarray, " n"]) -> f
     return abs(float(moved[left].mean() + moved[right].mean())) / 2
 
 
-def _motion_faults(
-    settled: bool,
-    frames: int,
-    speed: float,
-    penetration: float,
-    stretch: float,
-    tight: str,
-) -> list[str]:
-    faults = []
-    if not settled:
-        faults.append(f"it still moved after {frames} frames ({speed:.1f} cm/s)")
-    if penetration > MAX_PENETRATION:
-        faults.append(f"cloth lies {penetration:.1f} cm under the skin (at most {MAX_PENETRATION})")
-    if stretch > MAX_STRAIN:
-        faults.append(
-            f"it is too tight: stretched by {stretch:.1%} (at most {MAX_STRAIN:.0%}), {tight}"
-        )
-    return faults
-
-
-def _slid_faults(
-    points: np.ndarray,
-    start: np.ndarray,
-    above: np.ndarray,
-    body: Body,
-    items: tuple[GarmentItem, ...],
-) -> list[str]:
-    """What does not lie where the body wears it, and why."""
-    faults = []
-    for item in items:
-        placement = item.placement
-        far = _off(item, points, start, above, body)
-        limit, sank = MAX_SLID, 0.0
-        if placement.site is SupportSite.WAIST and placement.is_supported:
-            # Worn on the hips, as its top edge is too long for the waist; it must not sink further.
-            limit = on_hips(body)
-            sank = placement.level - float(points[item.top, 1].mean()) if len(item.top) else 0.0
-        if far > limit or sank > MAX_SLID:
-            place = placement.site.value
-            faults.append(f"it slid {far:.1f} cm from the {place}{_too_wide(placement)}")
-    return faults
-
-
 def _too_wide(placement: Placement) -> str:
     """Why it slid, and what to do, where that is known."""
     if placement.site is SupportSite.SHOULDERS or placement.length <= placement.girth:
@@ -209,8 +169,8 @@ def _notes(items: tuple[GarmentItem, ...], body: Body) -> tuple[str, ...]:
     """How the garment was put on, where that is not obvious."""
     notes = []
     for item in items:
-        placement, name = item.placement, _name(item.placement)
-        place = placement.site.value
+        placement, place = item.placement, item.placement.site.value
+        name = f"the garment of panel {min(placement.panels)[:40]!r}"
         if not placement.is_certain:
             notes.append(
                 f"{name} was taken for one worn at the {place} only because {placement.reason}; "
@@ -231,10 +191,6 @@ def _notes(items: tuple[GarmentItem, ...], body: Body) -> tuple[str, ...]:
             )
             notes.append(f"{name} sits on the hips, {below:.0f} cm below the waist: {why}")
     return tuple(notes)
-
-
-def _name(placement: Placement) -> str:
-    return f"the garment of panel {min(placement.panels)[:40]!r}"
 
 
 def _limb_faults(faces: np.ndarray, start: np.ndarray, points: np.ndarray, body: Body) -> list[str]:

@@ -28,7 +28,6 @@ BONES: Mapping[str, tuple[str, ...]] = {
 """Landmarks along each bone, from the chest outward. `face` is halfway from the neck to the crown;
 there the bone turns to the front, since a hood closes over the crown."""
 
-FORWARD = np.array([0.0, 0.0, 1.0])
 BEYOND = 500.0
 """How far a bone extends beyond its last landmark [cm]."""
 
@@ -63,8 +62,8 @@ def bones(body: Body) -> dict[str, Float[np.ndarray, "_ 3"]] | None:
     lines = {}
     for name, names in BONES.items():
         line = np.array([chest, *(marks[n] for n in names)])
-        way = FORWARD if name == "head" else line[-1] - line[-2]
-        end = line[-1] + BEYOND * way / np.linalg.norm(way)
+        along = np.array([0.0, 0.0, 1.0]) if name == "head" else line[-1] - line[-2]
+        end = line[-1] + BEYOND * along / np.linalg.norm(along)
         lines[name] = np.vstack([line, end]) + BESIDE
     return lines
 
@@ -76,8 +75,11 @@ def openings(faces: Int[np.ndarray, "face 3"]) -> list[Int[np.ndarray, " _"]]:
     every run; their turns add up all the same.
     """
     # Lapels are sewn on with the same side of the cloth down.
-    directed, inverse, count = _sides(agreeing(faces))
-    free = directed[count[inverse] == 1]
+    directed = agreeing(faces)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    low, high = directed.min(axis=1), directed.max(axis=1)
+    key = low.astype(np.int64) * (high.max() + 1) + high
+    _, edge, uses = np.unique(key, return_inverse=True, return_counts=True)
+    free = directed[uses[edge] == 1]
     following: dict[int, list[int]] = {}
     for a, b in free.tolist():
         following.setdefault(a, []).append(b)
@@ -96,15 +98,6 @@ def openings(faces: Int[np.ndarray, "face 3"]) -> list[Int[np.ndarray, " _"]]:
     return sorted(lines, key=len, reverse=True)
 
 
-def _sides(faces: Int[np.ndarray, "face 3"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The sides of all triangles as directed pairs, the edge of each, how many each edge has."""
-    directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    low, high = directed.min(axis=1), directed.max(axis=1)
-    key = low.astype(np.int64) * (high.max() + 1) + high
-    _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
-    return directed, inverse, count
-
-
 def turns(
     line: Float[np.ndarray, "n 3"], bones: Mapping[str, Float[np.ndarray, "_ 3"]]
 ) -> tuple[int, ...]:
@@ -119,11 +112,10 @@ def turns(
 
 def is_beyond(line: Float[np.ndarray, "n 3"], bone: Float[np.ndarray, "m 3"]) -> bool:
     """Whether an opening lies beyond the end of a limb."""
-    way = (bone[-1] - bone[-2]) / BEYOND
-    middle = line.mean(axis=0)
-    downwards = -way[1] > abs(way[0])
-    at_feet = downwards and bone[-2, 1] < KNEE and middle[1] < SOLE
-    return bool(at_feet or (middle - bone[-2]) @ way > HAND)
+    outward, middle = (bone[-1] - bone[-2]) / BEYOND, line.mean(axis=0)
+    points_down = -outward[1] > abs(outward[0])
+    at_feet = points_down and bone[-2, 1] < KNEE and middle[1] < SOLE
+    return bool(at_feet or (middle - bone[-2]) @ outward > HAND)
 
 
 def _signed_crossings(line: np.ndarray, bones: list[np.ndarray]) -> list[int]:
@@ -145,7 +137,6 @@ def _volumes(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.n
     ux, uy, uz = np.moveaxis(b - a, -1, 0)
     vx, vy, vz = np.moveaxis(c - a, -1, 0)
     wx, wy, wz = np.moveaxis(d - a, -1, 0)
-    volumes: np.ndarray = (
-        wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx)
-    )
+    volumes: np.ndarray = wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz)
+    volumes += wz * (ux * vy - uy * vx)
     return volumes

@@ -18,11 +18,6 @@ def deepest(
     """Greatest depth of the cloth under the skin [cm]; 0 where none is.
 
     On hands only vertices count: fingers are thinner than triangles are long.
-
-    Args:
-        points: of the cloth [cm].
-        faces: its triangles.
-        body: who wears it.
     """
     field = body_field(body)
     corners = points[faces]
@@ -38,10 +33,9 @@ def deepest(
 
 def _on_hand(points: Float[np.ndarray, "n 3"], body: Body) -> Bool[np.ndarray, " n"]:
     """Which places are at a hand; none on a body without landmarks of the arms."""
-    names = ("left_elbow_joint", "left_wrist_joint")
-    if any(name not in body.landmarks for name in names):
+    elbow, wrist = (body.landmarks.get(f"left_{name}_joint") for name in ("elbow", "wrist"))
+    if elbow is None or wrist is None:
         return np.zeros(len(points), bool)
-    elbow, wrist = (body.landmarks[name] for name in names)
     off = points * np.where(points[:, :1] < 0, [-1.0, 1.0, 1.0], 1.0) - wrist
     at_hand: np.ndarray = (off @ (wrist - elbow) > 0) & (np.linalg.norm(off, axis=1) < HAND)
     return at_hand
