@@ -14,10 +14,8 @@ from garmentimage.system import shown_path, write_atomically
 
 GAP = 6
 """Space round each picture of a sheet [pixel]."""
-LETTERING = 13
-"""Height of the labels' letters [pixel] ..."""
-LABEL_HEIGHT = 18
-"""... and of the line that they stand in."""
+LETTERING, LABEL_HEIGHT = 13, 18
+"""Height of the labels' letters, and of the line that they stand in [pixel]."""
 
 
 def png_bytes(colour: UInt8[np.ndarray, "row col 3"]) -> bytes:
@@ -41,10 +39,7 @@ def save_png(path: str | PathLike[str], colour: UInt8[np.ndarray, "row col 3"]) 
 
 
 def contact_sheet(
-    pictures: Sequence[UInt8[np.ndarray, "_ _ 3"]],
-    labels: Sequence[str] = (),
-    *,
-    columns: int = 4,
+    pictures: Sequence[UInt8[np.ndarray, "_ _ 3"]], labels: Sequence[str] = (), *, columns: int = 4
 ) -> UInt8[np.ndarray, "row col 3"]:
     """Pictures in rows from the top left, with a label under each.
 

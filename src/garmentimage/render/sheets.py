@@ -7,7 +7,7 @@ from garmentimage.errors import OutputError
 from garmentimage.pattern import Pattern
 from garmentimage.render.flat import draw_pattern
 from garmentimage.render.showing import SUFFIXES, picture_bytes
-from garmentimage.render.style import INK, PAPER, printable
+from garmentimage.render.style import INK, PAPER, printable, write
 from garmentimage.system import shown_path, write_atomically
 
 CELL_IN = (4.6, 2.9)
@@ -41,21 +41,12 @@ def show_sheet(
     for c, name in enumerate(columns):
         x = (SIDE_IN + (c + 0.5) * CELL_IN[0]) / width
         y = 1 - HEAD_IN / 2 / height
-        figure.text(x, y, printable(name), ha="center", va="center", fontsize=11, color=INK)
+        write(figure, x, y, printable(name), fontsize=11, color=INK)
     for r, (kind, patterns) in enumerate(rows.items()):
         bottom = height - HEAD_IN - (r + 1) * CELL_IN[1]
-        figure.text(
-            SIDE_IN / 2 / width,
-            (bottom + CELL_IN[1] / 2) / height,
-            printable(kind),
-            ha="center",
-            va="center",
-            rotation=90,
-            fontsize=11,
-            color=INK,
-        )
+        x, y = SIDE_IN / 2 / width, (bottom + CELL_IN[1] / 2) / height
+        write(figure, x, y, printable(kind), rotation=90, fontsize=11, color=INK)
         for c, pattern in enumerate(patterns):
-            box = (SIDE_IN + c * CELL_IN[0], bottom, *CELL_IN)
-            share = (box[0] / width, box[1] / height, box[2] / width, box[3] / height)
-            draw_pattern(pattern, figure.add_axes(share))
+            left, size = SIDE_IN + c * CELL_IN[0], (CELL_IN[0] / width, CELL_IN[1] / height)
+            draw_pattern(pattern, figure.add_axes((left / width, bottom / height, *size)))
     write_atomically(out, picture_bytes(figure, suffix[1:], dpi=SHEET_DPI))

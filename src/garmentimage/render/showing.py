@@ -24,7 +24,7 @@ from garmentimage.render.flat import (
     draw_image,
     draw_pattern,
 )
-from garmentimage.render.style import FAINT, INK, PAPER, printable
+from garmentimage.render.style import FAINT, INK, PAPER, printable, write
 from garmentimage.system import shown_path, write_atomically
 
 if TYPE_CHECKING:
@@ -70,10 +70,7 @@ def show(
 
 
 def compose(
-    sources: Sequence[Source],
-    *,
-    titles: Sequence[str] | None = None,
-    steps: Sequence[str] = (),
+    sources: Sequence[Source], *, titles: Sequence[str] | None = None, steps: Sequence[str] = ()
 ) -> "Figure":
     """The matplotlib figure that `show` writes; same arguments."""
     from matplotlib.figure import Figure
@@ -90,17 +87,7 @@ def compose(
     for k, (source, name, width) in enumerate(zip(sources, names, widths, strict=False)):
         _draw(source, figure, (x / total, width / total), height)
         middle, top = (x + width / 2) / total, 1 - 0.55 * TITLE_IN / height
-        figure.text(
-            middle,
-            top,
-            printable(name),
-            ha="center",
-            va="center",
-            fontsize=10,
-            color=INK,
-            fontweight="bold",
-            parse_math=False,
-        )
+        write(figure, middle, top, printable(name), fontsize=10, color=INK, fontweight="bold")
         if k < len(steps):
             _draw_step(figure, (x + width + GAP_IN / 2) / total, 0.36 / total, steps[k])
         x += width + GAP_IN
@@ -135,38 +122,30 @@ def _ratio(source: Source) -> float:
         size = max(width, height)
         return float((width + 0.06 * size) / (height + 0.18 * size))
     if isinstance(source, np.ndarray):
-        ratio: float = source.shape[1] / source.shape[0]
-        return ratio
+        return float(source.shape[1] / source.shape[0])
     return 0.46 * source.layers
 
 
 def _draw(source: Source, figure: "Figure", x: tuple[float, float], height: float) -> None:
     bottom, tall = MARGIN_IN / height, 1 - (MARGIN_IN + TITLE_IN) / height
-    if isinstance(source, np.ndarray):
-        axes = figure.add_axes((x[0], bottom, x[1], tall))
+    if isinstance(source, GarmentImage):
+        lower = tall * CELLS_HEIGHT / (CELLS_HEIGHT + TYPES_HEIGHT)
+        draw_image(source, figure.add_axes((x[0], bottom + lower, x[1], tall - lower)))
+        draw_cells(source, figure.add_axes((x[0], bottom, x[1], lower)))
+        return
+    axes = figure.add_axes((x[0], bottom, x[1], tall))
+    if isinstance(source, Pattern):
+        draw_pattern(source, axes)
+    else:
         axes.imshow(source, interpolation="antialiased")
         axes.set_axis_off()
-        return
-    if isinstance(source, Pattern):
-        draw_pattern(source, figure.add_axes((x[0], bottom, x[1], tall)))
-        return
-    lower = tall * CELLS_HEIGHT / (CELLS_HEIGHT + TYPES_HEIGHT)
-    draw_image(source, figure.add_axes((x[0], bottom + lower, x[1], tall - lower)))
-    draw_cells(source, figure.add_axes((x[0], bottom, x[1], lower)))
 
 
 def _draw_step(figure: "Figure", x: float, width: float, word: str) -> None:
     from matplotlib.patches import FancyArrowPatch
 
-    figure.add_artist(
-        FancyArrowPatch(
-            (x - width / 2, 0.5),
-            (x + width / 2, 0.5),
-            arrowstyle="-|>",
-            mutation_scale=12,
-            color=FAINT,
-            linewidth=1.4,
-            transform=figure.transFigure,
-        )
-    )
-    figure.text(x, 0.525, word, ha="center", va="bottom", fontsize=7.5, color=FAINT)
+    start, end = (x - width / 2, 0.5), (x + width / 2, 0.5)
+    arrow = FancyArrowPatch(start, end, arrowstyle="-|>", mutation_scale=12)
+    arrow.set(color=FAINT, linewidth=1.4, transform=figure.transFigure)
+    figure.add_artist(arrow)
+    write(figure, x, 0.525, word, va="bottom", fontsize=7.5)

@@ -1,6 +1,7 @@
 """Colours, strokes and lettering that all pictures share."""
 
 import unicodedata
+from typing import Any
 
 from garmentimage.raster import EdgeType
 
@@ -26,29 +27,24 @@ TYPE_NAMES = {
 }
 
 SEAM_COLOURS = (
-    "#0072b2",
-    "#d55e00",
-    "#009e73",
-    "#aa4499",
-    "#e69f00",
-    "#332288",
-    "#44aa99",
-    "#882255",
-    "#56b4e9",
-    "#999933",
-    "#cc6677",
-    "#117733",
-)
+    "#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#332288",
+    "#44aa99", "#882255", "#56b4e9", "#999933", "#cc6677", "#117733",
+)  # fmt: skip
 """Seams in turn (Okabe and Ito, Tol); the number beside a seam settles what colour cannot."""
 
 NAME_LIMIT = 28
 """Longest name that is written out."""
-_UNKNOWN = "\N{REPLACEMENT CHARACTER}"
 
 
 def layer_tint(layer: int) -> str:
     """Fill colour of a layer's cloth."""
     return LAYER_TINTS[layer % len(LAYER_TINTS)]
+
+
+def write(on: Any, x: float, y: float, text: str, **style: Any) -> None:
+    """Write text on matplotlib axes or a figure, centred and in `FAINT` unless `style` differs."""
+    default = {"ha": "center", "va": "center", "color": FAINT, "parse_math": False}
+    on.text(x, y, text, **(default | style))
 
 
 def printable(text: str) -> str:
@@ -57,11 +53,9 @@ def printable(text: str) -> str:
 
     font = get_font(findfont("DejaVu Sans"))
     shown = "".join(
-        c if unicodedata.category(c)[0] not in "CZM" and font.get_char_index(ord(c)) else _sign(c)
+        c
+        if c == " " or (unicodedata.category(c)[0] not in "CZM" and font.get_char_index(ord(c)))
+        else "\N{REPLACEMENT CHARACTER}"
         for c in text[:NAME_LIMIT]
     )
     return shown + "\N{HORIZONTAL ELLIPSIS}" if len(text) > NAME_LIMIT else shown
-
-
-def _sign(character: str) -> str:
-    return " " if character == " " else _UNKNOWN

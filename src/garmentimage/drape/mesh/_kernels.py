@@ -1,19 +1,5 @@
 """Compiled loops of the triangulator: points inside, Delaunay flips, smoothing.
 
-1. **Points inside** (`place_inner_points`): a row along the middle of narrow cloth; elsewhere
-   a hexagonal lattice, whose triangles are equilateral, as far as it keeps off the boundary.
-2. **Insertion** (`fill`): each point splits the triangle it falls into, found by walking from
-   triangle to triangle towards it; then sides are flipped until Delaunay (Lawson 1977, "Software
-   for C1 surface interpolation"). The boundary is never flipped, so the result is the constrained
-   Delaunay triangulation.
-3. **Smoothing**: each point inside moves to the centroid of the triangles round it, weighted by
-   area, and sides are flipped again; a triangle that would shrink too far keeps its corners. This
-   is Laplacian smoothing on areas instead of neighbours.
-
-The flip test: the side i-j between the triangles (a, i, j) and (b, j, i) is Delaunay where the
-angles at a and b add up to at most half a turn, that is where sin(a + b) >= 0. With cross and dot
-products in place of sines and cosines no square root is needed.
-
 Words of this file: see `triangulate`.
 """
 
@@ -100,9 +86,11 @@ def _clear(x, y, points, count, apart):
     return True
 
 
+# A row along the middle of narrow cloth; elsewhere a hexagonal lattice, whose triangles are
+# equilateral, as far as it keeps off the boundary.
 @njit(cache=True)
 def place_inner_points(points, ends, inward, widths, spacing):
-    """Middle rows of the narrow places, then a hexagonal lattice wherever there is room."""
+    """Points of the middle rows, then of the lattice, as a new array."""
     low_x, high_x = points[:, 0].min(), points[:, 0].max()
     low_y, high_y = points[:, 1].min(), points[:, 1].max()
     rise = spacing * np.sqrt(3.0) / 2
@@ -142,6 +130,9 @@ def place_inner_points(points, ends, inward, widths, spacing):
     return found[:count].copy()
 
 
+# Each point splits the triangle it falls into, found by walking from triangle to triangle towards
+# it; then sides are flipped until Delaunay (Lawson 1977, "Software for C1 surface interpolation").
+# The boundary is never flipped, so the result is the constrained Delaunay triangulation.
 @njit(cache=True)
 def fill(points, outline, fixed):
     """Triangles of the outline with the points inside put in and smoothed in place."""
@@ -305,6 +296,9 @@ def _flip(points, faces, across, t, k):
     return True
 
 
+# The side i-j between the triangles (a, i, j) and (b, j, i) is Delaunay where the angles at a and b
+# add up to at most half a turn, that is where sin(a + b) >= 0. With cross and dot products in place
+# of sines and cosines no square root is needed.
 @njit(cache=True)
 def _flips(points, i, j, a, b):
     """Whether the diagonal a-b is better than i-j: the angles at a and b exceed half a turn."""
@@ -328,12 +322,13 @@ def _dot_at(points, a, i, j):
     ) * (points[j, 1] - points[a, 1])
 
 
+# Each point inside moves to the centroid of the triangles round it, weighted by area, and sides are
+# flipped again: Laplacian smoothing on areas instead of neighbours, whose mean would pull a point
+# to the boundary wherever that is cut finer. A triangle that would shrink too far keeps its
+# corners.
 @njit(cache=True)
 def _smooth(points, faces, fixed):
-    """Move each point inside to the centre of area of its triangles, where none suffers by it.
-
-    The mean of its neighbours would pull it to the boundary wherever that is cut finer.
-    """
+    """Move each point inside to the centre of area of its triangles, where none suffers by it."""
     count = len(points)
     sum_x, sum_y, total = np.zeros(count), np.zeros(count), np.zeros(count)
     for t in range(len(faces)):

@@ -1,17 +1,4 @@
-"""Compiled loops of the distance field: exact distances, swept distances, winding numbers.
-
-- **Near the surface** (`stamp`): each triangle writes its exact distance at the nodes within a
-  band, where no other triangle is nearer. The sign is that of the pseudonormal of the nearest
-  feature (face, edge or corner; Baerentzen and Aanaes 2005).
-- **Farther off** (`sweep`): a chamfer distance (Borgefors 1986, "Distance transformations in
-  digital images"): d(p) = min over the 26 neighbours q of d(q) + |p - q|, in one pass forwards and
-  one backwards, each over the 13 neighbours that come before.
-- **Inside** (`count_crossings`): the winding number along each line of nodes in z, as the sum of
-  signed crossings of the surface below (Jacobson et al. 2013). Every line is met by triangles whose
-  projection to the x-y plane holds it.
-- **Look-up** (`sample_field`): trilinear interpolation between the eight nodes round a place, and
-  its exact gradient.
-"""
+"""Compiled loops of the distance field: exact distances, swept distances, winding numbers."""
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
@@ -19,6 +6,9 @@ import numpy as np
 from numba import njit
 
 
+# A chamfer distance (Borgefors 1986, "Distance transformations in digital images"): d(p) = min over
+# the 26 neighbours q of d(q) + |p - q|, in one pass forwards and one backwards, each over the 13
+# neighbours that come before.
 @njit(cache=True)
 def sweep(values, far, cell):
     """Carry distances from each place's thirteen neighbours that come before it."""
@@ -42,6 +32,8 @@ def sweep(values, far, cell):
                 values[i, j, k] = best
 
 
+# The winding number along each line of nodes in z is the sum of the signed crossings of the surface
+# below (Jacobson et al. 2013). A line is met by the triangles whose projection to x-y holds it.
 @njit(cache=True)
 def count_crossings(turns, points, faces):
     """At the first node behind each crossing: 1 where it leads in, -1 where it leads out."""
@@ -77,6 +69,7 @@ def _to(a, b, c, band, count):
     return min(int(np.floor(max(a, b, c) + band)) + 1, count)
 
 
+# Trilinear interpolation between the eight nodes round a place, and its exact gradient.
 @njit(cache=True)
 def sample_field(values, origin, per_cell, x, y, z):
     """Distance at a place, interpolated linearly along each axis, and its slope (4 numbers)."""
@@ -111,6 +104,9 @@ def sample_all(values, origin, per_cell, points, distance, slope):
         )
 
 
+# Each triangle writes its exact distance at the nodes within a band, where no other is nearer. The
+# sign is that of the pseudonormal of the nearest feature: face, edge or corner (Baerentzen and
+# Aanaes 2005).
 @njit(cache=True)
 def stamp(values, points, faces, face_normal, edge_normal, vertex_normal, band):
     """Write each triangle's signed distance at the nodes round it, where it is the nearest yet."""
@@ -155,12 +151,9 @@ def _apart(point, x, y, z):
 
 @njit(cache=True)
 def _nearest_on_triangle(x, y, z, a, b, c):
-    """Nearest point of a triangle and where it lies.
-
-    0 is the inside, 1 to 3 the edges ab, bc, ca, and 4 to 6 the corners a, b, c. After Ericson,
-    "Real-Time Collision Detection" (2005), 5.1.5.
-    """
-    # Each test asks for the Voronoi region of one corner or edge, by dot products with two sides.
+    """Nearest point of a triangle and where: 0 inside, 1 to 3 on ab, bc, ca, 4 to 6 at a, b, c."""
+    # Ericson 2005, "Real-Time Collision Detection", 5.1.5: each test is for the Voronoi region of
+    # one corner or edge, by dot products with two sides.
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     px, py, pz = x - a[0], y - a[1], z - a[2]

@@ -1,29 +1,5 @@
 """Compiled loops of the solver: cloth moved step by step over a body.
 
-What is solved, for the places x of all vertices, with masses M and the step h:
-
-    M x'' = -dE/dx - c M x' - W g + contact,     E = stretch + bending
-
-- **Time step**: symplectic Euler in terms of the displacement u of a step, which is the speed times
-  h. Damping is exact for a free vertex:
-
-      u <- exp(-c h) u + h^2 M^-1 (f(x + a u) - W g),     x <- x + u
-
-  Forces are taken at x + a u, where the vertices are about to be. A small share a (`LOOK_AHEAD`)
-  damps the fastest modes only and keeps the step explicit.
-- **Stretch**: one spring along each edge e, energy k_e (|x_b - x_a| - l_e)^2 / 2, whose stiffness
-  makes a mesh an elastic sheet (Van Gelder 1998, "Approximate simulation of elastic membranes by
-  triangulated spring meshes").
-- **Bending**: the quadratic energy x Q x / 2 of Bergou et al. 2006, see `mesh.bending`; its force
-  -Q x is linear, and is kept for several steps as it changes slowly.
-- **Contact**: the body is a signed distance field. Near a vertex it is replaced by the half-space
-  n . x < c under the tangent plane of its nearest place. A vertex inside is projected onto the
-  plane and loses its normal motion; Coulomb friction takes at most the share of the tangential
-  motion that the push allows (Bridson, Fedkiw and Anderson 2002, "Robust treatment of collisions,
-  contact and friction for cloth animation", Eq. 1).
-- **Pins**: held vertices are pulled to their targets by springs that are solved implicitly, vertex
-  by vertex, which is stable for any stiffness.
-
 The loops run over vertices and edges in their order on one thread, so sums have the same bits on
 every run. All arrays are changed in place; lengths are cm, times s.
 """
@@ -182,23 +158,24 @@ class Rates(NamedTuple):
     gravity: float
 
 
+# What is solved, for the places x of all vertices, with masses M and the step h:
+#
+#     M x'' = -dE/dx - c M x' - W g + contact,     E = stretch + bending
+#
+# Symplectic Euler in terms of the displacement u of a step, which is the speed times h; damping is
+# exact for a free vertex:
+#
+#     u <- exp(-c h) u + h^2 M^-1 (f(x + a u) - W g),     x <- x + u
+#
+# Forces are taken at x + a u, where the vertices are about to be. A small share a (`LOOK_AHEAD`)
+# damps the fastest modes only and keeps the step explicit.
 @njit(cache=True)
 def simulate(points, speeds, span, state, model, schedule, rates):
-    """Move `points` through a span of frames, or until at rest.
+    """Move `points` [cm] through a span of frames (first, after the last), or until at rest.
 
-    The result does not depend on how the frames are divided into spans.
-
-    Args:
-        points: places of the vertices [cm]; is written to.
-        speeds: mean speed of the vertices in each frame [cm/s]; is written to.
-        span: first frame, and the one after the last.
-        state: a `SolverState`; is written to.
-        model: a `Model`.
-        schedule: a `Schedule`.
-        rates: `Rates`.
-
-    Returns:
-        Frames simulated since the first of all, and whether rest was reached.
+    The mean speed in each frame is written to `speeds` [cm/s]. The result does not depend on how
+    the frames are divided into spans. Returns the number of the frame after the last one simulated,
+    and whether rest was reached.
     """
     # Numba compiles named tuples like plain variables: looking up a field costs nothing.
     material = model.material
@@ -268,6 +245,9 @@ def _look_ahead(points, displacement, share, ahead):
             ahead[i, k] = points[i, k] + share * displacement[i, k]
 
 
+# One spring along each edge e, energy k_e (|x_b - x_a| - l_e)^2 / 2, whose stiffness makes a mesh
+# an elastic sheet (Van Gelder 1998, "Approximate simulation of elastic membranes by triangulated
+# spring meshes").
 @njit(cache=True)
 def _stretch(points, springs, force):
     """Add the spring forces k (|d| - l) d / |d| along d = x_b - x_a, opposite at both ends."""
@@ -282,9 +262,11 @@ def _stretch(points, springs, force):
         _add(force, b, -tension * x, -tension * y, -tension * z)
 
 
+# The quadratic energy x Q x / 2 of Bergou et al. 2006, see `mesh.bending`. Its force -Q x is
+# linear, and is kept for several steps as it changes slowly.
 @njit(cache=True)
 def _bend(points, matrix, force):
-    """Bending forces -Q x, a product with a sparse matrix for each axis."""
+    """Bending forces, a product with a sparse matrix for each axis."""
     first, column, value = matrix
     # Row by row, so that each vertex is written once.
     for i in range(len(points)):
@@ -297,14 +279,16 @@ def _bend(points, matrix, force):
         force[i, 0], force[i, 1], force[i, 2] = x, y, z
 
 
+# The body is a signed distance field. Near a vertex it is replaced by the half-space n . x < c
+# under the tangent plane of its nearest place.
 @njit(cache=True)
 def _find_planes(points, field, thickness, reach, state):
     """The tangent plane of the body for each vertex, moved out by thickness and lift.
 
-    With the distance d at p and its direction n, the body's nearest place is p - d n. A vertex
-    that cannot reach the body before keeps no plane for `skipped` more calls; it moves at most
-    `reach` between calls.
+    A vertex that cannot reach the body before keeps no plane for `skipped` more calls; it moves at
+    most `reach` between calls.
     """
+    # With the distance d at p and its direction n, the body's nearest place is p - d n.
     values, origin, per_cell = field
     planes, skipped, lift = state.planes, state.skipped, state.lift
     for i in range(len(points)):
@@ -393,7 +377,7 @@ def _needed_lift(points, field, planes, needed, a, b, c):
 def _advance_all(
     points, displacement, force, masses, damping, gravity_step, step, max_speed
 ):  # fmt: skip
-    """One step of symplectic Euler: u <- damping u + h^2 f / m, then x <- x + u."""
+    """One step of symplectic Euler."""
     for i in range(len(points)):
         step_scale = masses.inverse_mass[i] * step * step
         x = displacement[i, 0] * damping + force[i, 0] * step_scale
@@ -414,6 +398,8 @@ def _advance(points, displacement, i, x, y, z, max_shift):
     _add(points, i, x, y, z)
 
 
+# Held vertices are pulled by springs that are solved implicitly, vertex by vertex, which is stable
+# for any stiffness.
 @njit(cache=True)
 def _pull_to_pins(points, displacement, pins):
     """Pull held vertices to their targets, each axis by its share and at most by `max_shift`."""
@@ -428,6 +414,9 @@ def _pull_to_pins(points, displacement, pins):
             displacement[i, k] += shift
 
 
+# A vertex inside is projected onto the plane and loses its normal motion; Coulomb friction takes at
+# most the share of the tangential motion that the push allows (Bridson, Fedkiw and Anderson 2002,
+# "Robust treatment of collisions, contact and friction for cloth animation", Eq. 1).
 @njit(cache=True)
 def _collide(points, state, full_friction, friction, has_friction, max_push):
     """Put vertices outside the body, with friction, and stop their motion along its normal.

@@ -1,11 +1,6 @@
 """How far every place is from a body: the obstacle that cloth comes to rest on.
 
-Near the skin the distance is exact. Farther off it is carried on from node to node along the grid
-and its diagonals (a chamfer distance, Borgefors 1986), which makes it too great by up to an eighth.
-Inside of a body is where its surface goes round by the winding number, so that lips that touch and
-folds do no harm. Cloth has no inside: the sign of its distance is that of angle-weighted
-pseudonormals (Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted
-pseudonormal").
+Near the skin the distance is exact; farther off it is too great by up to an eighth.
 """
 
 from dataclasses import dataclass, replace
@@ -87,6 +82,9 @@ def empty_field() -> DistanceField:
     return DistanceField(np.full((2, 2, 2), 1e6, np.float32), np.zeros(3), CELL)
 
 
+# Near the skin the distance is exact. Farther off it is carried on from node to node along the grid
+# and its diagonals (a chamfer distance, Borgefors 1986). Inside of a body is where its surface goes
+# round by the winding number, so that lips that touch and folds do no harm.
 def surface_distance(
     points: Float[np.ndarray, "vertex 3"],
     faces: Int[np.ndarray, "face 3"],
@@ -121,6 +119,8 @@ def surface_distance(
     return DistanceField(values, origin, cell)
 
 
+# Cloth has no inside: the sign of its distance is that of angle-weighted pseudonormals (Baerentzen
+# and Aanaes 2005, "Signed distance computation using the angle weighted pseudonormal").
 def _near(
     shape: tuple[int, ...],
     origin: Float[np.ndarray, " 3"],

@@ -1,17 +1,8 @@
 """Cloth in motion until it rests: springs, bending, gravity, and a body to rest on.
 
-The equations of motion and the time step stand above the loops in `_kernels_step`. Here the
-numbers that make the explicit steps stable are chosen:
-
-- A step h of symplectic Euler with forces taken `LOOK_AHEAD` = a of a step later is stable for
-  h^2 K / m < 4 / (1 + 2 a), where K is the greatest stiffness. By Gershgorin's theorem K is at most
-  twice the sum of the stiffnesses of the springs that meet in a vertex.
-- Substeps are short enough for most vertices. Each of the others (next to a tiny triangle) is given
-  more inertia but no more weight, which changes the motion and not the state of rest.
-- Bending is weak beside stretch, so its forces are kept for several steps (multiple time stepping).
-
-So at rest every force is exactly what the fabric says: a finer mesh is not a softer cloth. Where
-skin would come through between vertices, these are kept a little farther off.
+The equations of motion and the time step stand above the loops in `_kernels_step`. At rest every
+force is exactly what the fabric says: a finer mesh is not a softer cloth. Where skin would come
+through between vertices, these are kept a little farther off.
 """
 
 from collections.abc import Callable
@@ -45,8 +36,8 @@ from garmentimage.drape.solver.distance_field import DistanceField
 GRAVITY = 981.0
 """[cm/s2]"""
 STABLE = 0.96 * 2.0 / (1.0 + 2.0 * LOOK_AHEAD)
-"""Greatest value of (step^2 x sum of spring stiffness / mass) of a vertex. By Gershgorin's theorem
-steps are stable below 2 / (1 + 2 LOOK_AHEAD), whatever the shape of the cloth."""
+"""Greatest value of (step^2 x sum of spring stiffness / mass) of a vertex: stable is less than
+2 / (1 + 2 LOOK_AHEAD), whatever the shape of the cloth; see `_model`."""
 STABLE_PERCENT = 75
 """Percentage of the vertices for which steps are made short enough; the others get inertia."""
 MAX_REFRESH = 6
@@ -130,9 +121,6 @@ def solve(
 ) -> Motion:
     """Let cloth come to rest.
 
-    A spring along each edge has the stiffness (stretch x area / length^2), which makes equilateral
-    triangles a sheet of the fabric's stretch and of Poisson's ratio 1/3.
-
     Args:
         rest: the cloth without strain.
         start: where its vertices begin [cm]; seams may gape, the cloth may cut into the body.
@@ -168,6 +156,14 @@ def solve(
     return Motion(points, frames, speeds[:frames], bool(settled))
 
 
+# The numbers that make the explicit steps stable. A step h of symplectic Euler with forces taken
+# `LOOK_AHEAD` = a of a step later is stable for h^2 K / m < 4 / (1 + 2 a), where K is the greatest
+# stiffness. By Gershgorin's theorem K is at most twice the sum of the stiffnesses of the springs
+# that meet in a vertex.
+# - Substeps are short enough for most vertices. Each of the others (next to a tiny triangle) is
+#   given more inertia but no more weight, which changes the motion and not the state of rest.
+# - Bending is weak beside stretch, so its forces are kept for several steps (multiple time
+#   stepping).
 def _model(
     rest: Rest,
     field: DistanceField,
@@ -178,6 +174,7 @@ def _model(
 ) -> tuple[Model, Schedule]:
     """Springs, masses and steps of a cloth, its inertia raised where a step would be unstable."""
     count = len(rest.vertex_area)
+    # So equilateral triangles are a sheet of the fabric's stretch and of Poisson's ratio 1/3.
     stiffness = fabric.stretch * rest.area / rest.length**2
     weight = np.maximum(fabric.weight * rest.vertex_area, 1e-12)
     pull = np.bincount(rest.edges.ravel(), np.repeat(stiffness, 2), minlength=count)

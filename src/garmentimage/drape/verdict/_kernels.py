@@ -1,10 +1,4 @@
-"""Compiled loops that find triangles which pass through each other.
-
-Two triangles intersect where a side of one pierces the other: its ends lie on two sides of the
-plane, and the line through them runs round the three edges in one direction. Both are signs of
-volumes of tetrahedra, so no division is needed. Pairs are found on a uniform grid of bins (Ericson
-2005, "Real-Time Collision Detection", 7.1) and by their bounding boxes.
-"""
+"""Compiled loops that find triangles which pass through each other."""
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
@@ -12,6 +6,8 @@ import numpy as np
 from numba import njit
 
 
+# Pairs are found on a uniform grid of bins (Ericson 2005, "Real-Time Collision Detection", 7.1) and
+# by their bounding boxes.
 @njit(cache=True)
 def count_crossed(points, faces, bins, order, first, shape):
     """How many triangles pass through another without a common vertex.
@@ -67,6 +63,9 @@ def _cross(points, a, b):
     return False
 
 
+# Two triangles intersect where a side of one pierces the other: its ends lie on two sides of the
+# plane, and the line through them runs round the three edges in one direction. Both are signs of
+# volumes of tetrahedra, so no division is needed.
 @njit(cache=True)
 def _pierces(points, start, end, face):
     """Whether the segment from `start` to `end` goes through the triangle `face`."""

@@ -4,7 +4,7 @@ As worn, each panel is drawn about where it hangs on the body, the back seen thr
 in a GarmentImage), and panels that would lie on one another are pushed apart.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -24,13 +24,13 @@ PICTURE_RATIO = 1.15
 """Width over height that front and back should have together."""
 WORN_LIMIT = 80
 """With more panels than this, they lie on the table: pushing apart takes quadratic time."""
-_ROUNDS = 400
-_FACING = 0.3
+MAX_ROUNDS = 400
+MIN_FACING = 0.3
 """Least share of the outward normal along z by which a panel counts as front or back."""
 
 
 @dataclass(frozen=True)
-class PlacedPanel:
+class DrawnPanel:
     """A panel and the rigid motion, mirrored or not, that takes it into the picture."""
 
     panel: Panel
@@ -49,12 +49,12 @@ class PlacedPanel:
         return self.place(self.panel.outline.polygon)
 
 
-def arrange(pattern: Pattern, arrangement: Arrangement = "worn") -> tuple[PlacedPanel, ...]:
+def arrange(pattern: Pattern, arrangement: Arrangement = "worn") -> tuple[DrawnPanel, ...]:
     """Panels in the order of the pattern, placed so that their boxes do not overlap."""
+    sides = list(zip(pattern.panels, _backs(pattern), strict=True))
     if arrangement == "table" or len(pattern.panels) > WORN_LIMIT:
-        return _on_table(pattern)
-    backs = _backs(pattern)
-    placed = [_hung(panel, back) for panel, back in zip(pattern.panels, backs, strict=True)]
+        return tuple(_shelved([DrawnPanel(p, np.eye(2), np.zeros(2), back) for p, back in sides]))
+    placed = [_hung(panel, back) for panel, back in sides]
     front = _pushed_apart([p for p in placed if not p.back])
     back = _pushed_apart([p for p in placed if p.back])
     if front and back:
@@ -63,7 +63,7 @@ def arrange(pattern: Pattern, arrangement: Arrangement = "worn") -> tuple[Placed
     return tuple(order[panel.name] for panel in pattern.panels)
 
 
-def bounds(placed: tuple[PlacedPanel, ...] | list[PlacedPanel]) -> Float[np.ndarray, "2 2"]:
+def bounds(placed: tuple[DrawnPanel, ...] | list[DrawnPanel]) -> Float[np.ndarray, "2 2"]:
     """Lower left and upper right corner of all panels [cm]."""
     points = np.concatenate([p.polygon for p in placed])
     return np.array([points.min(axis=0), points.max(axis=0)])
@@ -76,7 +76,7 @@ def _backs(pattern: Pattern) -> list[bool]:
     backs = []
     for panel, z in zip(pattern.panels, depth, strict=True):
         normal = panel.matrix[2, 2] * np.sign(panel.outline.area)
-        backs.append(bool(normal < 0 if abs(normal) > _FACING else z < middle))
+        backs.append(bool(normal < 0 if abs(normal) > MIN_FACING else z < middle))
     return backs
 
 
@@ -85,7 +85,7 @@ def _world_centre(panel: Panel) -> Float[np.ndarray, " 3"]:
     return middle
 
 
-def _hung(panel: Panel, back: bool) -> PlacedPanel:
+def _hung(panel: Panel, back: bool) -> DrawnPanel:
     """The panel at its place on the body, turned flat about its centroid.
 
     The polar factor of the panel's axes as seen from the front is the nearest rigid motion; for
@@ -97,10 +97,10 @@ def _hung(panel: Panel, back: bool) -> PlacedPanel:
     flip = handed * np.sign(np.linalg.det(u @ vt))
     matrix = u @ np.diag([1.0, flip]) @ vt
     centre = centroid(panel.outline.polygon)
-    return PlacedPanel(panel, matrix, _world_centre(panel)[:2] - matrix @ centre, back)
+    return DrawnPanel(panel, matrix, _world_centre(panel)[:2] - matrix @ centre, back)
 
 
-def _pushed_apart(placed: list[PlacedPanel]) -> list[PlacedPanel]:
+def _pushed_apart(placed: list[DrawnPanel]) -> list[DrawnPanel]:
     """Boxes that overlap move away from each other, each pair along the easier axis."""
     if len(placed) < 2:
         return placed
@@ -108,16 +108,15 @@ def _pushed_apart(placed: list[PlacedPanel]) -> list[PlacedPanel]:
     half = (boxes[:, 1] - boxes[:, 0] + MARGIN_CM) / 2
     start = boxes.mean(axis=1)
     centre = start.copy()
-    for _ in range(_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         gap = centre[:, None] - centre[None]
         need = half[:, None] + half[None] - np.abs(gap)
         hit = (need > 1e-6).all(axis=2)
         np.fill_diagonal(hit, False)
         if not hit.any():
             break
-        along_x = need[..., 0] / (half[:, None, 0] + half[None, :, 0]) < need[..., 1] / (
-            half[:, None, 1] + half[None, :, 1]
-        )
+        share = need / (half[:, None] + half[None])
+        along_x = share[..., 0] < share[..., 1]
         # Panels on one spot: the later one in the list counts as right of, or above, the other.
         order = np.sign(np.arange(len(placed))[:, None] - np.arange(len(placed))[None])
         sign = np.where(gap == 0, order[..., None], np.sign(gap))
@@ -130,16 +129,7 @@ def _pushed_apart(placed: list[PlacedPanel]) -> list[PlacedPanel]:
     return [_moved(p, shift) for p, shift in zip(placed, centre - start, strict=True)]
 
 
-def _on_table(pattern: Pattern) -> tuple[PlacedPanel, ...]:
-    identity = np.eye(2)
-    backs = _backs(pattern)
-    flat = [
-        PlacedPanel(p, identity, np.zeros(2), b) for p, b in zip(pattern.panels, backs, strict=True)
-    ]
-    return tuple(_shelved(flat))
-
-
-def _shelved(placed: list[PlacedPanel]) -> list[PlacedPanel]:
+def _shelved(placed: list[DrawnPanel]) -> list[DrawnPanel]:
     """Panels on shelves, the tallest first."""
     boxes = np.array([bounds([p]) for p in placed])
     spots, _, _ = lay_out([(float(w), float(h)) for w, h in boxes[:, 1] - boxes[:, 0]])
@@ -147,7 +137,7 @@ def _shelved(placed: list[PlacedPanel]) -> list[PlacedPanel]:
     return [_moved(p, shift) for p, shift in zip(placed, wanted - boxes[:, 0], strict=True)]
 
 
-def _joined(front: list[PlacedPanel], back: list[PlacedPanel]) -> list[PlacedPanel]:
+def _joined(front: list[DrawnPanel], back: list[DrawnPanel]) -> list[DrawnPanel]:
     """The back group, moved right of the front group or below it: what makes a squarer picture."""
     f, b = bounds(front), bounds(back)
     (fw, fh), (bw, bh) = f[1] - f[0], b[1] - b[0]
@@ -160,5 +150,5 @@ def _joined(front: list[PlacedPanel], back: list[PlacedPanel]) -> list[PlacedPan
     return [_moved(p, shift) for p in back]
 
 
-def _moved(placed: PlacedPanel, shift: np.ndarray) -> PlacedPanel:
-    return PlacedPanel(placed.panel, placed.matrix, placed.offset + shift, placed.back)
+def _moved(placed: DrawnPanel, shift: np.ndarray) -> DrawnPanel:
+    return replace(placed, offset=placed.offset + shift)

@@ -11,8 +11,8 @@ from jaxtyping import Float
 
 from garmentimage.geometry import centroid
 from garmentimage.pattern import Pattern, Side, sewn_runs
-from garmentimage.render.flat.arrangement import Arrangement, PlacedPanel, arrange, bounds
-from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable
+from garmentimage.render.flat.arrangement import Arrangement, DrawnPanel, arrange, bounds
+from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable, write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +40,7 @@ GRAIN_SPOTS = 25
 """Places for an arrow that are tried along each side of the panel's box."""
 MAX_NUMBERS = 60
 """With more seams than this the numbers would hide the drawing and are left out."""
-NAME_LIMIT = 40
+MAX_NAMES = 40
 """With more panels than this the names are left out."""
 
 
@@ -80,13 +80,14 @@ def draw_pattern(
     seams = seam_numbers(pattern)
     _draw_cloth(placed, ax)
     _draw_edges(placed, seams, ax)
+    named = len(placed) <= MAX_NAMES
     for p in placed:
         if p.panel.grain is not None:
-            _draw_grain(p, letter, ax, named=len(placed) <= NAME_LIMIT)
-        if len(placed) <= NAME_LIMIT:
+            _draw_grain(p, letter, ax, named=named)
+        if named:
             _draw_name(p, letter, ax)
         if max(seams.values(), default=0) <= MAX_NUMBERS:
-            _draw_numbers(p, seams, letter, ax, named=len(placed) <= NAME_LIMIT)
+            _draw_numbers(p, seams, letter, ax, named=named)
     if len({p.back for p in placed}) == 2:
         _draw_titles(placed, pad, ax)
     _draw_scale_bar(low, size, ax)
@@ -127,7 +128,7 @@ def seam_colour(number: int) -> str:
     return SEAM_COLOURS[(number - 1) % len(SEAM_COLOURS)]
 
 
-def _lines(placed: PlacedPanel) -> list[Float[np.ndarray, "_ 2"]]:
+def _lines(placed: DrawnPanel) -> list[Float[np.ndarray, "_ 2"]]:
     """Every edge of the panel as a polyline in the picture, numbered as `Panel.edges`."""
     return [
         placed.place(curve.sample(1 if curve.is_straight else CURVE_CHORDS))
@@ -135,21 +136,15 @@ def _lines(placed: PlacedPanel) -> list[Float[np.ndarray, "_ 2"]]:
     ]
 
 
-def _draw_cloth(placed: tuple[PlacedPanel, ...], ax: "Axes") -> None:
+def _draw_cloth(placed: tuple[DrawnPanel, ...], ax: "Axes") -> None:
     from matplotlib.collections import PathCollection
 
     # One collection for all panels: thousands of patches would take a minute.
-    ax.add_collection(
-        PathCollection(
-            [_cloth_path(p) for p in placed],
-            facecolors=[LAYER_TINTS[int(p.back)] for p in placed],
-            edgecolors="none",
-            zorder=1,
-        )
-    )
+    paths, tints = [_cloth_path(p) for p in placed], [LAYER_TINTS[int(p.back)] for p in placed]
+    ax.add_collection(PathCollection(paths, facecolors=tints, edgecolors="none", zorder=1))
 
 
-def _cloth_path(placed: PlacedPanel) -> "Path":
+def _cloth_path(placed: DrawnPanel) -> "Path":
     """Outline and holes; holes show the paper because they run against the outline."""
     from matplotlib.path import Path
 
@@ -157,32 +152,24 @@ def _cloth_path(placed: PlacedPanel) -> "Path":
     loops = [outline.polygon] + [
         hole.polygon if hole.area * outline.area < 0 else hole.polygon[::-1] for hole in holes
     ]
-    closed = [Path(placed.place(_closed(points)), closed=True) for points in loops]
-    return Path.make_compound_path(*closed)
+    rings = [placed.place(np.concatenate([points, points[:1]])) for points in loops]
+    return Path.make_compound_path(*(Path(ring, closed=True) for ring in rings))
 
 
-def _closed(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
-    return np.concatenate([polygon, polygon[:1]])
-
-
-def _draw_edges(placed: tuple[PlacedPanel, ...], seams: dict[Side, int], ax: "Axes") -> None:
+def _draw_edges(placed: tuple[DrawnPanel, ...], seams: dict[Side, int], ax: "Axes") -> None:
     from matplotlib.collections import LineCollection
 
     lines = [line for p in placed for line in _lines(p)]
     numbers = [seams.get(Side(p.panel.name, k)) for p in placed for k in range(len(p.panel.edges))]
+    colours = [INK if n is None else seam_colour(n) for n in numbers]
+    widths = [0.9 if n is None else 1.7 for n in numbers]
     ax.add_collection(
-        LineCollection(
-            lines,
-            colors=[INK if n is None else seam_colour(n) for n in numbers],
-            linewidths=[0.9 if n is None else 1.7 for n in numbers],
-            capstyle="round",
-            zorder=2,
-        )
+        LineCollection(lines, colors=colours, linewidths=widths, capstyle="round", zorder=2)
     )
 
 
 def _draw_numbers(
-    placed: PlacedPanel, seams: dict[Side, int], letter: float, ax: "Axes", *, named: bool
+    placed: DrawnPanel, seams: dict[Side, int], letter: float, ax: "Axes", *, named: bool
 ) -> None:
     """One number a seam, beside the middle of its longest edge; outside where cloth is narrow.
 
@@ -202,21 +189,12 @@ def _draw_numbers(
         x, y = _beside_edge(placed, lines[k], inset)
         if named and name.touches(x, y, NUMBER_SPACE * letter):
             x, y = _beside_edge(placed, lines[k], -abs(inset))
-        ax.text(
-            x,
-            y,
-            str(number),
-            color=seam_colour(number),
-            fontsize=LETTERING,
-            fontweight="bold",
-            ha="center",
-            va="center",
-            zorder=4,
-        )
+        look = {"color": seam_colour(number), "fontsize": LETTERING, "fontweight": "bold"}
+        write(ax, x, y, str(number), zorder=4, **look)
 
 
 def _beside_edge(
-    placed: PlacedPanel, line: Float[np.ndarray, "n 2"], inset: float
+    placed: DrawnPanel, line: Float[np.ndarray, "n 2"], inset: float
 ) -> Float[np.ndarray, " 2"]:
     """A point `inset` cm inside the panel, beside the middle of one of its edges."""
     k = (len(line) - 1) // 2
@@ -227,20 +205,15 @@ def _beside_edge(
     return place
 
 
-def _draw_grain(placed: PlacedPanel, letter: float, ax: "Axes", *, named: bool) -> None:
+def _draw_grain(placed: DrawnPanel, letter: float, ax: "Axes", *, named: bool) -> None:
     ends = _grain_arrow(placed, letter, named=named)
     if ends is not None:
-        ax.annotate(
-            "",
-            ends[1],
-            ends[0],
-            arrowprops={"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6},
-            zorder=3,
-        )
+        look = {"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6}
+        ax.annotate("", ends[1], ends[0], arrowprops=look, zorder=3)
 
 
 def _grain_arrow(
-    placed: PlacedPanel, letter: float, *, named: bool
+    placed: DrawnPanel, letter: float, *, named: bool
 ) -> Float[np.ndarray, "2 2"] | None:
     """Ends of the longest arrow along the grain that lies on cloth and clear of the panel's name.
 
@@ -274,7 +247,7 @@ def _grain_arrow(
     return None
 
 
-def _inner_point(placed: PlacedPanel) -> Float[np.ndarray, " 2"]:
+def _inner_point(placed: DrawnPanel) -> Float[np.ndarray, " 2"]:
     """The centroid where it lies on cloth, else some point that does."""
     from shapely import Point, Polygon
 
@@ -309,7 +282,7 @@ class _Lettering:
         return bool(along < self.length / 2 + space and across < space)
 
 
-def _lettering(placed: PlacedPanel, letter: float) -> _Lettering:
+def _lettering(placed: DrawnPanel, letter: float) -> _Lettering:
     """The name across the panel, or along it where it is too narrow."""
     name = printable(placed.panel.name)
     low, high = bounds([placed])
@@ -322,24 +295,14 @@ def _lettering(placed: PlacedPanel, letter: float) -> _Lettering:
     return _Lettering(name, _inner_point(placed), angle, needed * share, share)
 
 
-def _draw_name(placed: PlacedPanel, letter: float, ax: "Axes") -> None:
+def _draw_name(placed: DrawnPanel, letter: float, ax: "Axes") -> None:
     name = _lettering(placed, letter)
-    ax.text(
-        name.middle[0],
-        name.middle[1],
-        name.text,
-        color=INK,
-        fontsize=LETTERING * name.share,
-        ha="center",
-        va="center",
-        rotation=name.angle,
-        rotation_mode="anchor",
-        parse_math=False,
-        zorder=5,
-    )
+    (x, y), size, turned = name.middle, LETTERING * name.share, name.angle
+    style = {"color": INK, "fontsize": size, "rotation": turned, "rotation_mode": "anchor"}
+    write(ax, x, y, name.text, zorder=5, **style)
 
 
-def _long_axis(placed: PlacedPanel) -> tuple[float, float]:
+def _long_axis(placed: DrawnPanel) -> tuple[float, float]:
     """Length [cm] and angle [degrees, -90 to 90] of the longer side of the narrowest box."""
     from shapely import MultiPoint
 
@@ -353,7 +316,7 @@ def _long_axis(placed: PlacedPanel) -> tuple[float, float]:
     return float(np.hypot(*side)), (angle + 90) % 180 - 90
 
 
-def _draw_titles(placed: tuple[PlacedPanel, ...], pad: float, ax: "Axes") -> None:
+def _draw_titles(placed: tuple[DrawnPanel, ...], pad: float, ax: "Axes") -> None:
     """Name the front and the back group above their panels, where the groups stand apart."""
     front, back = (bounds([p for p in placed if p.back == side]) for side in (False, True))
     beside, below = back[0, 0] > front[1, 0], back[1, 1] < front[0, 1]
@@ -361,25 +324,13 @@ def _draw_titles(placed: tuple[PlacedPanel, ...], pad: float, ax: "Axes") -> Non
         return
     for title, box in (("front", front), ("back", back)):
         top = max(front[1, 1], back[1, 1]) if beside else box[1, 1]
-        ax.text(box[:, 0].mean(), top + pad, title, color=FAINT, fontsize=7, ha="center")
+        write(ax, box[:, 0].mean(), top + pad, title, fontsize=7, va="baseline")
 
 
 def _draw_scale_bar(low: np.ndarray, size: float, ax: "Axes") -> None:
     x, y = float(low[0]), float(low[1]) - 0.07 * size
     tick = 0.012 * size
-    ends = ([x, x, x, x + SCALE_BAR_CM, x + SCALE_BAR_CM, x + SCALE_BAR_CM],)
-    ax.plot(
-        *ends,
-        [y - tick, y + tick, y, y, y + tick, y - tick],
-        color=FAINT,
-        linewidth=0.8,
-        solid_capstyle="butt",
-    )
-    ax.text(
-        x + SCALE_BAR_CM + 0.01 * size,
-        y,
-        f"{SCALE_BAR_CM:.0f} cm",
-        color=FAINT,
-        fontsize=6,
-        va="center",
-    )
+    end = x + SCALE_BAR_CM
+    line = [x, x, x, end, end, end], [y - tick, y + tick, y, y, y + tick, y - tick]
+    ax.plot(*line, color=FAINT, linewidth=0.8, solid_capstyle="butt")
+    write(ax, end + 0.01 * size, y, f"{SCALE_BAR_CM:.0f} cm", fontsize=6, ha="left")

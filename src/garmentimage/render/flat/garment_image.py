@@ -7,7 +7,6 @@ from jaxtyping import Float
 
 from garmentimage.raster import BOTTOM, LEFT, EdgeType, GarmentImage
 from garmentimage.render.style import (
-    FAINT,
     GRID_LINE,
     INK,
     PAPER,
@@ -15,6 +14,7 @@ from garmentimage.render.style import (
     TYPE_NAMES,
     layer_tint,
     printable,
+    write,
 )
 
 if TYPE_CHECKING:
@@ -69,14 +69,10 @@ def draw_cells(image: GarmentImage, ax: "Axes") -> None:
         _draw_board(image, layer, ax)
         rows, cols = np.nonzero(image.inside[layer])
         middle = np.stack([cols + 0.5, rows + 0.5], axis=1) + _origin(image, layer)
+        placed, tint = list(shapes * scale + middle[:, None]), layer_tint(layer)
+        width = 0.5 * _stroke(image)
         ax.add_collection(
-            PolyCollection(
-                list(shapes * scale + middle[:, None]),
-                facecolors=layer_tint(layer),
-                edgecolors=INK,
-                linewidths=0.5 * _stroke(image),
-                zorder=2,
-            )
+            PolyCollection(placed, facecolors=tint, edgecolors=INK, linewidths=width, zorder=2)
         )
     _write_below(image, ax, 0.05, CELLS_CAPTION)
     _frame(image, ax, below=CAPTION_SHARE)
@@ -108,8 +104,7 @@ def _origin(image: GarmentImage, layer: int) -> Float[np.ndarray, " 2"]:
 
 def _stroke(image: GarmentImage) -> float:
     """Line widths shrink on finer grids."""
-    share: float = min(1.0, 16 / image.grid) ** 0.5
-    return share
+    return float(min(1.0, 16 / image.grid) ** 0.5)
 
 
 def _draw_board(image: GarmentImage, layer: int, ax: "Axes") -> None:
@@ -121,16 +116,8 @@ def _draw_board(image: GarmentImage, layer: int, ax: "Axes") -> None:
     lines += [[(x, y + k), (x + n, y + k)] for k in range(n + 1)]
     width = 0.6 * _stroke(image)
     ax.add_collection(LineCollection(lines, colors=GRID_LINE, linewidths=width, zorder=0))
-    ax.text(
-        x + n / 2,
-        y + n * 1.015,
-        printable(image.layer_names[layer]),
-        color=FAINT,
-        fontsize=7,
-        ha="center",
-        va="bottom",
-        parse_math=False,
-    )
+    name = printable(image.layer_names[layer])
+    write(ax, x + n / 2, y + n * 1.015, name, fontsize=7, va="bottom")
 
 
 def _draw_flags(image: GarmentImage, layer: int, ax: "Axes") -> None:
@@ -138,14 +125,9 @@ def _draw_flags(image: GarmentImage, layer: int, ax: "Axes") -> None:
 
     rows, cols = np.nonzero(image.inside[layer])
     corner = np.stack([cols, rows], axis=1) + _origin(image, layer)
+    cells, tint, width = list(corner[:, None] + _SQUARE), layer_tint(layer), 0.5 * _stroke(image)
     ax.add_collection(
-        PolyCollection(
-            list(corner[:, None] + _SQUARE),
-            facecolors=layer_tint(layer),
-            edgecolors=PAPER,
-            linewidths=0.5 * _stroke(image),
-            zorder=1,
-        )
+        PolyCollection(cells, facecolors=tint, edgecolors=PAPER, linewidths=width, zorder=1)
     )
 
 
@@ -158,15 +140,10 @@ def _draw_types(image: GarmentImage, layer: int, ax: "Axes") -> None:
             rows, cols = np.nonzero(image.edge_type[layer, side] == edge_type)
             start = np.stack([cols, rows], axis=1) + _origin(image, layer)
             lines += [(a, a + _STEP[side]) for a in start]
-        sewn = edge_type != EdgeType.NON_STITCH
+        width, zorder = (1.5, 2.5) if edge_type == EdgeType.NON_STITCH else (2.3, 3)
+        width *= _stroke(image)
         ax.add_collection(
-            LineCollection(
-                lines,
-                colors=colour,
-                linewidths=(2.3 if sewn else 1.5) * _stroke(image),
-                capstyle="round",
-                zorder=3 if sewn else 2.5,
-            )
+            LineCollection(lines, colors=colour, linewidths=width, capstyle="round", zorder=zorder)
         )
 
 
@@ -176,21 +153,15 @@ def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
     for k, (edge_type, colour) in enumerate(TYPE_COLOURS.items()):
         x = width / 2 + (k - 1) * image.grid * 0.62 - 0.26 * image.grid
         ax.plot([x, x + 0.07 * image.grid], [y, y], color=colour, linewidth=2.3)
-        ax.text(
-            x + 0.1 * image.grid,
-            y,
-            TYPE_NAMES[edge_type],
-            color=INK,
-            fontsize=6.5,
-            va="center",
-        )
+        x += 0.1 * image.grid
+        write(ax, x, y, TYPE_NAMES[edge_type], color=INK, fontsize=6.5, ha="left")
     _write_below(image, ax, 0.14, LEGEND_NOTE)
 
 
 def _write_below(image: GarmentImage, ax: "Axes", depth: float, text: str) -> None:
     """A line of small print in the middle below the grids, `depth` grids down."""
     middle = (float(_origin(image, image.layers - 1)[0]) + image.grid) / 2
-    ax.text(middle, -depth * image.grid, text, color=FAINT, fontsize=5.5, ha="center", va="center")
+    write(ax, middle, -depth * image.grid, text, fontsize=5.5)
 
 
 def _frame(image: GarmentImage, ax: "Axes", below: float) -> None:

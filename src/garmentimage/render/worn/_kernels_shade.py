@@ -1,22 +1,5 @@
 """Compiled loops that shade a picture: from what is seen at each sample to the light in each pixel.
 
-What is computed, for each pixel as the mean over its samples, in linear light:
-
-    light = albedo (K s k + F f + A o (sky u + ground (1 - u))) + rim r^3 o
-
-- **Key light** K: Lambert's cosine, wrapped round the shape by the softness w of the lamp,
-  k = max(0, (n . l + w) / (1 + w)); s is the share that no shadow takes.
-- **Cast shadows** s: a shadow map (Williams 1978, "Casting curved shadows on curved surfaces"),
-  softened by the mean over several probes (percentage-closer filtering, Reeves, Salesin and Cook
-  1987). The test is not binary: what is less than 1 cm in front of the limit shadows in part.
-- **Fill light** F: Lambert's cosine f without shadows.
-- **Sky and ground** A: hemisphere lighting, u = (1 + n . up) / 2, times the share o of the
-  surroundings that a point sees.
-- **Ambient occlusion** o: screen-space obscurance by probes above the tangent plane, each weighted
-  by the sine of its angle above it and less with distance (McGuire, Osman, Bukowski and Hennessy
-  2011, "The alchemy screen-space ambient obscurance algorithm").
-- **Rim** r: one minus the cosine between normal and line of sight.
-
 Normals are interpolated over each face and in the axes of the camera: z is towards it. Arrays are
 `[row col]` with row 0 at the top. A pixel holds `step` x `step` samples.
 """
@@ -146,33 +129,28 @@ def find_pixels(step, cloth_from, visible, silhouette, behind, pixels):
     part = np.float32(1 / (step * step))
     for row in range(len(silhouette)):
         for col in range(len(silhouette)):
-            # Share of the samples that show cloth, and of those that show nothing.
-            cloth, body = 0, 0
+            # Samples that show cloth or anything, and the nearest one, which speaks for the pixel
+            # in depth, normal and panel.
+            cloth, seen, best, r, c = 0, 0, np.float32(np.inf), 0, 0
             for i in range(row * step, (row + 1) * step):
                 for j in range(col * step, (col + 1) * step):
-                    if owner[i, j] >= cloth_from:
-                        cloth += 1
-                    elif owner[i, j] > 0:
-                        body += 1
-            silhouette[row, col] = cloth * part
-            behind[row, col] = 1 - (cloth + body) * part
-            if cloth + body == 0:
-                continue
-            # The nearest sample speaks for the pixel in depth, normal and panel.
-            best, r, c = np.float32(np.inf), 0, 0
-            for i in range(row * step, (row + 1) * step):
-                for j in range(col * step, (col + 1) * step):
+                    cloth += owner[i, j] >= cloth_from
+                    seen += owner[i, j] > 0
                     if near[i, j] < best:
                         best, r, c = near[i, j], i, j
-            pixels[count, 0], pixels[count, 1] = row, col
-            pixels[count, 2], pixels[count, 3] = r, c
-            count += 1
+            silhouette[row, col] = cloth * part
+            behind[row, col] = 1 - seen * part
+            if seen > 0:
+                pixels[count, 0], pixels[count, 1] = row, col
+                pixels[count, 2], pixels[count, 3] = r, c
+                count += 1
     return count
 
 
 @njit(cache=True, error_model="numpy")
-def _normal(normals, a, b, c, wb, wc, side):
+def _normal(normals, face, wb, wc, side):
     """Unit normal at a point of a face, towards the viewer: `side` is -1 for its inside."""
+    a, b, c = face[0], face[1], face[2]
     wa = 1 - wb - wc
     x = side * (wa * normals[a, 0] + wb * normals[b, 0] + wc * normals[c, 0])
     y = side * (wa * normals[a, 1] + wb * normals[b, 1] + wc * normals[c, 1])
@@ -197,14 +175,17 @@ def map_nearest(number, pixels, visible, shape, maps):
         wb, wc = weight[r, c, 0], weight[r, c, 1]
         a, b, d = faces[k, 0], faces[k, 1], faces[k, 2]
         maps.depth[row, col] = (1 - wb - wc) * away[a] + wb * away[b] + wc * away[d]
-        x, y, z = _normal(shape.normals, a, b, d, wb, wc, side)
+        x, y, z = _normal(shape.normals, faces[k], wb, wc, side)
         maps.normal[row, col, 0], maps.normal[row, col, 1], maps.normal[row, col, 2] = x, y, z
         maps.panel[row, col] = shape.ids[k]
 
 
+# Ambient occlusion: screen-space obscurance by probes above the tangent plane, each weighted by the
+# sine of its angle above it and less with distance (McGuire, Osman, Bukowski and Hennessy 2011,
+# "The alchemy screen-space ambient obscurance algorithm").
 @njit(cache=True, error_model="numpy")
 def find_open_share(pixels, maps, probes, pixel, radius, strength, share):
-    """Share of the light from all round that reaches each pixel: ambient occlusion.
+    """Write the share of the light from all round that reaches each pixel: ambient occlusion.
 
     Args:
         pixels: from `find_pixels`.
@@ -241,6 +222,9 @@ def find_open_share(pixels, maps, probes, pixel, radius, strength, share):
         share[row, col] = max(0.0, 1 - strength * AO_GAIN * total / len(probes))
 
 
+# Cast shadows: a shadow map (Williams 1978, "Casting curved shadows on curved surfaces"), softened
+# by the mean over several probes (percentage-closer filtering, Reeves, Salesin and Cook 1987). The
+# test is not binary: what is less than 1 cm in front of the limit shadows in part.
 @njit(cache=True, error_model="numpy")
 def find_lit_share(pixels, depth, rays, shadow_map, strength, share):
     """Share of the key light that reaches each pixel: cast shadows.
@@ -299,6 +283,16 @@ def _print_at(dye, k, wb, wc):
     return red, green, blue
 
 
+# What is computed, for each pixel as the mean over its samples, in linear light:
+#
+#     light = albedo (K s k + F f + A o (sky u + ground (1 - u))) + rim r^3 o
+#
+# - Key light K: Lambert's cosine, wrapped round the shape by the softness w of the lamp, k = max(0,
+#   (n . l + w) / (1 + w)); s is the share that no shadow takes.
+# - Fill light F: Lambert's cosine f without shadows.
+# - Sky and ground A: hemisphere lighting, u = (1 + n . up) / 2, times the share o of the
+#   surroundings that a point sees.
+# - Rim r: one minus the cosine between normal and line of sight.
 @njit(cache=True, error_model="numpy")
 def shade(number, pixels, visible, shape, dye, ink, lighting, light):
     """Add the light of surface `number` to the pixels, each sample by its share.
@@ -317,7 +311,6 @@ def shade(number, pixels, visible, shape, dye, ink, lighting, light):
     lamps, open_share, lit_share = lighting
     key, fill, up = lamps.key_direction, lamps.fill_direction, lamps.up
     rim, soft = lamps.rim, lamps.softness
-    faces = shape.faces
     step = len(owner) // len(light)  # Samples of a pixel along each axis.
     part = 1 / (step * step)
     for p in range(len(pixels)):
@@ -330,9 +323,7 @@ def shade(number, pixels, visible, shape, dye, ink, lighting, light):
                 # Negative numbers say that the inside of a face is seen.
                 k, side, own = (f, 1.0, part) if f >= 0 else (-1 - f, -1.0, part * INSIDE)
                 wb, wc = weight[i, j, 0], weight[i, j, 1]
-                x, y, z = _normal(
-                    shape.normals, faces[k, 0], faces[k, 1], faces[k, 2], wb, wc, side
-                )
+                x, y, z = _normal(shape.normals, shape.faces[k], wb, wc, side)
                 # Wrapped Lambert: a soft lamp reaches round the edge of a shape.
                 sun = max(0.0, (x * key[0] + y * key[1] + z * key[2] + soft) / (1 + soft))
                 sun *= lit_share[row, col]
@@ -347,19 +338,13 @@ def shade(number, pixels, visible, shape, dye, ink, lighting, light):
                 # Drawn seams darken the colour of the cloth, whatever its light.
                 if len(ink):
                     own *= 1 - INK_SHADE * ink[i, j]
-                red, green, blue = dye.colour[k, 0], dye.colour[k, 1], dye.colour[k, 2]
+                tint = (1.0, 1.0, 1.0)
                 if len(dye.flat):
                     tint = _print_at(dye, k, wb, wc)
-                    red, green, blue = red * tint[0], green * tint[1], blue * tint[2]
                 for c in range(3):
-                    albedo = red if c == 0 else green if c == 1 else blue
-                    power = (
-                        lamps.key[c] * sun
-                        + lamps.fill[c] * back
-                        + lamps.sky[c] * sky
-                        + lamps.ground[c] * ground
-                    )
-                    light[row, col, c] += own * (albedo * power + edge)
+                    power = lamps.key[c] * sun + lamps.fill[c] * back
+                    power = power + lamps.sky[c] * sky + lamps.ground[c] * ground
+                    light[row, col, c] += own * (dye.colour[k, c] * tint[c] * power + edge)
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,11 +1,4 @@
-"""Compiled loops that find which triangle is seen at each sample: a z-buffer.
-
-A triangle is scanned over its bounding box with edge functions (Pineda 1988, "A parallel algorithm
-for polygon rasterization"): twice the signed areas s_a, s_b, s_c of a sample's centre with each
-side, all of one sign inside; their shares of the whole are the barycentric weights. Of all
-triangles over a sample the nearest is kept. In perspective, what is linear over the picture is
-1 / z, and a weight over z: z = 1 / sum(w_i / z_i), and corrected weights are w_i z / z_i.
-"""
+"""Compiled loops that find which triangle is seen at each sample: a z-buffer."""
 
 # mypy: allow-untyped-defs, allow-untyped-decorators
 
@@ -27,14 +20,18 @@ class Screen(NamedTuple):
     """[cm]"""
 
 
+# A triangle is scanned over its bounding box with edge functions (Pineda 1988, "A parallel
+# algorithm for polygon rasterization"): twice the signed areas s_a, s_b, s_c of a sample's centre
+# with each side, all of one sign inside; their shares of the whole are the barycentric weights. Of
+# all triangles over a sample the nearest is kept. In perspective, what is linear over the picture
+# is 1 / z, and a weight over z: z = 1 / sum(w_i / z_i), and corrected weights are w_i z / z_i.
 @njit(cache=True, error_model="numpy")
 def draw_faces(screen, faces, lift, two_sided, perspective, number, visible):
     """Draw triangles into the buffers of a `Visible`.
 
     Cloth lies so near to the skin that chords of one cut through the other. So a face is drawn
     `lift` [cm] off its place along the line of sight: towards the viewer where its outside is seen,
-    away where its inside is. Depth is linear over the picture for an orthographic camera; for a
-    perspective one its reciprocal is.
+    away where its inside is.
 
     Args:
         screen: the vertices, a `Screen`.

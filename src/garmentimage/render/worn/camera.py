@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.errors import RenderError, quoted
+from garmentimage.pattern import Vector
 
 VIEWS: Mapping[str, float] = MappingProxyType(
     {"front": 0.0, "back": np.pi, "side": np.pi / 2, "turned": np.pi / 5}
@@ -25,8 +26,6 @@ MIN_DISTANCE = 5.0
 """Nothing may be nearer to a perspective camera than this [cm]."""
 MARGIN = 1.06
 """Size of a fitted picture over the size of what it shows."""
-
-Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)

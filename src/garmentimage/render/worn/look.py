@@ -18,15 +18,8 @@ from garmentimage.render.worn.surface import PAPER_COLOURS, SKIN, surfaces_of
 from garmentimage.render.worn.tint import Tint
 
 SKIN_TONES = (
-    "#3d241a",
-    "#5a3825",
-    "#7d5138",
-    "#a06d4b",
-    "#c08d68",
-    "#d8ab87",
-    "#e8c4a6",
-    "#f3d8c4",
-)
+    "#3d241a", "#5a3825", "#7d5138", "#a06d4b", "#c08d68", "#d8ab87", "#e8c4a6", "#f3d8c4"
+)  # fmt: skip
 """From dark to light; a random tone lies between two neighbours."""
 PLAIN_SHARE = 0.45
 """How often a garment has no print."""

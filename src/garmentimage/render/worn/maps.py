@@ -8,14 +8,12 @@
 | `silhouette` | 8-bit grey | share of the pixel in which cloth is seen, 0 to 255 |
 """
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
-from typing import Any
+from io import BytesIO
 
 import numpy as np
-from jaxtyping import UInt8, UInt16
+from jaxtyping import UInt8
 
-from garmentimage.errors import RenderError
+from garmentimage.errors import RenderError, quoted
 from garmentimage.render.style import SEAM_COLOURS
 from garmentimage.render.worn.photographing import Views
 
@@ -29,16 +27,33 @@ MAX_PANELS = 254
 """A palette has 256 entries, two of which are not panels."""
 
 
-def depth_levels(views: Views) -> UInt16[np.ndarray, "row col"]:
-    """Depth in steps of `DEPTH_STEP`, 0 where nothing is."""
-    seen = np.isfinite(views.depth)
-    levels = np.rint(np.where(seen, views.depth, 0.0) / DEPTH_STEP)
-    return np.where(seen, np.clip(levels, 1, MAX_LEVEL), 0).astype(np.uint16)
+def map_bytes(views: Views, name: str) -> bytes:
+    """`depth`, `normal`, `panels` or `silhouette` as a PNG file: the same bytes for the same view.
 
+    Raises:
+        RenderError: another name, or more panels than a palette has entries for.
+    """
+    from PIL import Image
 
-def normal_colours(views: Views) -> UInt8[np.ndarray, "row col 3"]:
-    """Normals as colours."""
-    return np.rint((views.normal + 1) * 127.5).astype(np.uint8)
+    match name:
+        case "depth":
+            seen = np.isfinite(views.depth)
+            levels = np.rint(np.where(seen, views.depth, 0.0) / DEPTH_STEP)
+            pixels = np.where(seen, np.clip(levels, 1, MAX_LEVEL), 0).astype(np.uint16)
+        case "normal":
+            pixels = np.rint((views.normal + 1) * 127.5).astype(np.uint8)
+        case "panels":
+            pixels = panel_numbers(views)
+        case "silhouette":
+            pixels = np.rint(views.silhouette * 255).astype(np.uint8)
+        case _:
+            raise RenderError(f"there is no map {quoted(name)}")
+    image = Image.fromarray(np.ascontiguousarray(pixels))
+    if name == "panels":
+        image.putpalette(_palette())
+    stream = BytesIO()
+    image.save(stream, format="png")
+    return stream.getvalue()
 
 
 def panel_numbers(views: Views) -> UInt8[np.ndarray, "row col"]:
@@ -56,43 +71,10 @@ def panel_numbers(views: Views) -> UInt8[np.ndarray, "row col"]:
     return (views.panel + 1).astype(np.uint8)
 
 
-def silhouette_levels(views: Views) -> UInt8[np.ndarray, "row col"]:
-    """Share of cloth in each pixel, 255 for all of it."""
-    levels: np.ndarray = np.rint(views.silhouette * 255).astype(np.uint8)
-    return levels
-
-
-def _grey(levels: np.ndarray) -> Any:
-    from PIL import Image
-
-    return Image.fromarray(np.ascontiguousarray(levels))
-
-
-def _paletted(numbers: UInt8[np.ndarray, "row col"]) -> Any:
-    from PIL import Image, ImageColor
+def _palette() -> list[int]:
+    """Red, green and blue of each number in the panel picture."""
+    from PIL import ImageColor
 
     tints = [NOTHING, BODY]
     tints += [SEAM_COLOURS[k % len(SEAM_COLOURS)] for k in range(MAX_PANELS)]
-    image = Image.fromarray(np.ascontiguousarray(numbers)).convert("L")
-    image.putpalette([level for tint in tints for level in ImageColor.getrgb(tint)])
-    return image
-
-
-MAPS: Mapping[str, Callable[[Views], Any]] = MappingProxyType(
-    {
-        "depth": lambda views: _grey(depth_levels(views)),
-        "normal": lambda views: _grey(normal_colours(views)),
-        "panels": lambda views: _paletted(panel_numbers(views)),
-        "silhouette": lambda views: _grey(silhouette_levels(views)),
-    }
-)
-"""What can be written beside the picture."""
-
-
-def map_bytes(views: Views, name: str) -> bytes:
-    """One of `MAPS` as a PNG file: the same bytes for the same view."""
-    from io import BytesIO
-
-    stream = BytesIO()
-    MAPS[name](views).save(stream, format="png")
-    return stream.getvalue()
+    return [level for tint in tints for level in ImageColor.getrgb(tint)]

@@ -15,10 +15,8 @@ from garmentimage.errors import RenderError
 from garmentimage.render.worn.tint import Tint, linear, rgb
 from garmentimage.system import shown_path
 
-TILE = 64
-"""Rows and columns of a tile that we draw ..."""
-WEAVE_TILE = 256
-"""... and of one with random detail."""
+TILE, WEAVE_TILE = 64, 256
+"""Rows and columns of a tile that we draw, and of one with random detail."""
 MAX_PIXELS = 16_000_000
 """Largest picture that is read as a print."""
 _OCTAVES = ((2, 0.5), (8, 0.35), (32, 0.6), (128, 0.8))
@@ -103,19 +101,12 @@ def read_picture(path: str | PathLike[str]) -> Float[np.ndarray, "row col 3"]:
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         if isinstance(error, RenderError):
             raise
-        reason = getattr(error, "strerror", None)
-        if reason:
-            raise RenderError(
-                f"{shown_path(path)}: cannot be read ({reason}); name a picture file"
-            ) from None
-        if isinstance(error, Image.DecompressionBombError):
-            raise RenderError(
-                f"{shown_path(path)}: has too many pixels; "
-                f"make it smaller than {MAX_PIXELS // 1_000_000} million"
-            ) from None
-        raise RenderError(
-            f"{shown_path(path)}: is not a picture that can be read; save it as PNG or JPEG"
-        ) from None
+        fault = "is not a picture that can be read; save it as PNG or JPEG"
+        if reason := getattr(error, "strerror", None):
+            fault = f"cannot be read ({reason}); name a picture file"
+        elif isinstance(error, Image.DecompressionBombError):
+            fault = f"has too many pixels; make it smaller than {MAX_PIXELS // 1_000_000} million"
+        raise RenderError(f"{shown_path(path)}: {fault}") from None
 
 
 @lru_cache(maxsize=32)

@@ -38,12 +38,8 @@ HEM_INK = 0.55
 """Ink of a free edge, as a share of a seam's."""
 AO_RADIUS = 9.0
 """What is farther away than this takes no light from a point's surroundings [cm]."""
-AO_PROBES = (3, 8)
-"""Rings and spokes of the probes ..."""
-SMALL_AO_PROBES = (2, 6)
-"""... and in pictures smaller than `SMALL`."""
-SMALL = 128
-"""[pixel]"""
+AO_PROBES, SMALL_AO_PROBES, SMALL = (3, 8), (2, 6), 128
+"""Rings and spokes of the probes, and those in pictures smaller than the last number [pixel]."""
 SHADOW_SOFTNESS = 2.2
 """The edge of a cast shadow is softened over this radius [cm]."""
 SHADOW_PROBES = (2, 6)
@@ -60,20 +56,15 @@ def shape_of(surface: Surface, camera: Camera) -> Shape:
     return Shape(depth, normals, surface.faces, surface.ids)
 
 
-@lru_cache(maxsize=MAX_CACHED)
-def _still_turned(
-    surface: Surface, camera: Camera
-) -> tuple[Float[np.ndarray, " vertex"], Float[np.ndarray, "vertex 3"]]:
-    """`_turned`, kept for still surfaces."""
-    return _turned(surface, camera)
-
-
 def _turned(
     surface: Surface, camera: Camera
 ) -> tuple[Float[np.ndarray, " vertex"], Float[np.ndarray, "vertex 3"]]:
     """Depth of the vertices [cm] and normals in the axes of the camera."""
     depth = camera.stand - (surface.points - np.array(camera.target)) @ camera.axes[2]
     return depth, surface.normals @ camera.axes.T
+
+
+_still_turned = lru_cache(maxsize=MAX_CACHED)(_turned)
 
 
 def dye_of(surface: Surface, sample: float) -> Dye:
@@ -100,10 +91,7 @@ def maps_of(
 
 
 def open_share_of(
-    pixels: Int32[np.ndarray, "pixel 4"],
-    maps: Maps,
-    camera: Camera,
-    light: Light,
+    pixels: Int32[np.ndarray, "pixel 4"], maps: Maps, camera: Camera, light: Light
 ) -> Float32[np.ndarray, "row col"]:
     """Share of the light from all round that reaches each pixel."""
     size = len(maps.depth)
@@ -170,11 +158,10 @@ def ink_of(
 
 def probe_offsets(radius: float, rings: int, spokes: int) -> Float32[np.ndarray, "probe 2"]:
     """Points in a disk about 0, mirrored in both axes so that mirrored scenes look mirrored."""
-    angle = (np.arange(spokes) + 0.5) * 2 * np.pi / spokes
+    angle = np.tile((np.arange(spokes) + 0.5) * 2 * np.pi / spokes, (rings, 1))
+    # Every other ring is turned by half a spoke, which keeps the mirrors.
+    angle[1::2] += np.pi / spokes
     far = radius * np.sqrt((np.arange(rings) + 0.5) / rings)
     points = far[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    # Every other ring is turned by half a spoke, which keeps the mirrors.
-    between = angle + np.pi / spokes
-    points[1::2] = far[1::2, None, None] * np.stack([np.cos(between), np.sin(between)], axis=-1)
     offsets: np.ndarray = points.reshape(-1, 2).astype(np.float32)
     return offsets

@@ -13,6 +13,7 @@ from garmentimage.body import Body
 from garmentimage.drape import Cloth, DrapedGarment
 from garmentimage.drape.mesh import vertex_normals
 from garmentimage.errors import RenderError, quoted
+from garmentimage.geometry import component_labels
 from garmentimage.render.worn.prints import Print
 from garmentimage.render.worn.tint import Tint, linear, rgb
 
@@ -112,10 +113,9 @@ def surfaces_of(
         creased: whether the shading breaks at seams; it is smooth over them otherwise.
     """
     cloth = garment.cloth
+    points, faces = garment.points, cloth.vertex_faces
     if creased:
         points, faces = garment.points[cloth.vertex], cloth.faces
-    else:
-        points, faces = garment.points, cloth.vertex_faces
     normals = vertex_normals(points, faces)
     groups = panel_groups(garment)
     panels = cloth.pattern.panels
@@ -159,9 +159,6 @@ def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
     chest is of a top, and of a dress if it also reaches the thighs; what is sewn to a dress at the
     chest or the arms is dress, too.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     cloth, panels = garment.cloth, garment.cloth.pattern.panels
     floor, crown = garment.body.vertices[:, 1].min(), garment.body.vertices[:, 1].max()
     share = (garment.points[cloth.vertex, 1] - floor) / (crown - floor)
@@ -172,9 +169,7 @@ def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
     dress = top & (low < LONG_SHARE)
     number = {panel.name: k for k, panel in enumerate(panels)}
     pairs = [(number[s.a.panel], number[s.b.panel]) for s in cloth.pattern.stitches]
-    rows, cols = np.array(pairs, int).reshape(-1, 2).T
-    sewn = coo_array((np.ones(len(rows)), (rows, cols)), shape=(len(panels),) * 2)
-    _, item = connected_components(sewn, directed=False)
+    item = component_labels(len(panels), np.array(pairs, int).reshape(-1, 2))
     dress |= top & np.isin(item, item[dress])
     return tuple(
         "dress" if d else "top" if t else "bottom" for d, t in zip(dress, top, strict=True)
