@@ -46,11 +46,7 @@ may be unlike."""
 
 
 def upright(points: Points3, faces: Int[np.ndarray, "face 3"]) -> Points3:
-    """The points in cm, y up, feet on the floor, facing +z, left and right of x = 0.
-
-    Args:
-        points: in any unit, any side up.
-        faces: corners into `points`.
+    """The points of a file in cm, y up, feet on the floor, facing +z, left and right of x = 0.
 
     Raises:
         DraftError: no part of it stands, or its size is not that of a body.

@@ -32,12 +32,9 @@ class GarmentItem:
     """One item of clothing: all cloth that is sewn together."""
 
     vertices: Int[np.ndarray, " n"]
-    placement: Placement
-    """Where its panels were put."""
-    top: Int[np.ndarray, " t"]
-    """Vertices along its top edge; none where it hangs."""
-    level: Float[np.ndarray, " t"]
-    """Height at which each of them belongs [cm]."""
+    placement: Placement  # where its panels were put
+    top: Int[np.ndarray, " t"]  # vertices along its top edge; none where it hangs
+    level: Float[np.ndarray, " t"]  # height at which each of them belongs [cm]
     over_shoulders: Int[np.ndarray, " k"]
     """Vertices of an item that hangs that begin over the shoulders."""
     seams: Int[np.ndarray, " s"]
@@ -63,12 +60,7 @@ def garment_items(
     where the top is `tucked` in. Of two that are alike, the one whose front and back are drawn
     closer together comes first, or the one with less cloth.
 
-    Args:
-        cloth: the sewn garment.
-        start: where its vertices start, round the body [cm].
-        body: who wears it.
-        placements: where each item of clothing was put.
-        tucked: tops are worn under skirts and trousers.
+    Vertices begin at `start`, round the body [cm].
     """
     faces = cloth.vertex_faces
     label = component_labels(cloth.vertex_count, faces[:, [0, 1, 1, 2]].reshape(-1, 2))

@@ -58,12 +58,9 @@ SUPPORT_ALLOWANCE = 0.12
 class Tape:
     """A plane in which a limb is measured."""
 
-    point: Vector3
-    """In the middle of the limb [cm]."""
-    normal: Vector3
-    """Along the limb."""
-    girth: float
-    """Of the body there [cm]."""
+    point: Vector3  # in the middle of the limb [cm]
+    normal: Vector3  # along the limb
+    girth: float  # of the body there [cm]
 
 
 @dataclass(frozen=True)
@@ -71,10 +68,8 @@ class Girth:
     """Cloth round a limb."""
 
     place: str
-    cloth: float
-    """Its length at rest [cm]."""
-    body: float
-    """Girth of the body there [cm]."""
+    cloth: float  # its length at rest [cm]
+    body: float  # girth of the body there [cm]
 
     @property
     def missing(self) -> float:

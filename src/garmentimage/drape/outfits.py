@@ -17,12 +17,7 @@ def outfit(
     """Several garments as one pattern whose panels stand where the body wears them.
 
     Each is put on the body by itself, as the files may stand in different worlds. Panels whose
-    names are taken get a number.
-
-    Args:
-        patterns: at least one garment.
-        body: who wears them; see `drape_pattern`.
-        made_for: stature that all of them were made for [cm]; see `place_on_body`.
+    names are taken get a number. For `body` and `made_for` see `drape_pattern`.
 
     Raises:
         DraftError: `made_for` is out of range.

@@ -67,8 +67,7 @@ class ShoulderSeam:
     """A seam over a shoulder, in the world."""
 
     sides: tuple[Side, Side]
-    points: Points3
-    """On both sides."""
+    points: Points3  # on both sides
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +75,12 @@ class Support:
     """What holds a garment up, and how that is known."""
 
     site: SupportSite
-    reason: str
-    """How it was recognised, as a clause."""
+    reason: str  # how it was recognised, as a clause
     is_certain: bool
     """Whether the garment itself shows it; otherwise the height in its file did."""
-    edges: tuple[WorldEdge, ...]
-    """The free edges at its top."""
-    seams: tuple[ShoulderSeam, ...]
-    """Its shoulder seams."""
-    crotch: float | None
-    """Height of its crotch [cm]."""
+    edges: tuple[WorldEdge, ...]  # the free edges at its top
+    seams: tuple[ShoulderSeam, ...]  # its shoulder seams
+    crotch: float | None  # height of its crotch [cm]
 
 
 def find_support(pattern: Pattern, panels: Mapping[str, WorldPanel], body: Body) -> Support:

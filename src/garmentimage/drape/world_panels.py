@@ -41,8 +41,7 @@ class WorldEdge:
 
     side: Side
     points: Points3
-    length: float
-    """[cm]"""
+    length: float  # [cm]
     up: float
     """Upward part of the unit direction in which its middle faces out of the panel."""
 
@@ -56,14 +55,10 @@ class WorldEdge:
 class WorldPanel:
     """A panel in the world."""
 
-    flat: Panel
-    """As it is drawn."""
-    edges: tuple[WorldEdge, ...]
-    """Numbered as the panel's: outer loop first, then holes."""
-    centre: Float[np.ndarray, " 3"]
-    """Middle of its bounding box [cm]."""
-    area: float
-    """[cm²]"""
+    flat: Panel  # as it is drawn
+    edges: tuple[WorldEdge, ...]  # numbered as the panel's: outer loop first, then holes
+    centre: Float[np.ndarray, " 3"]  # middle of its bounding box [cm]
+    area: float  # [cm²]
 
     @property
     def on_trunk(self) -> bool:

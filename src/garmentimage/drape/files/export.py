@@ -41,10 +41,7 @@ DRAPE_FORMATS = (".glb", ".obj", ".ply")
 def save_drape(path: str | os.PathLike[str], garment: DrapedGarment, *, body: bool = True) -> None:
     """Write a draped garment; the ending of the name says in which format.
 
-    Args:
-        path: ends in `.glb`, `.obj` or `.ply`.
-        garment: what to write.
-        body: whether the body is written too; a PLY never holds it.
+    The name ends in `.glb`, `.obj` or `.ply`; a PLY never holds the body.
 
     Raises:
         OutputError: another ending, or a file that cannot be written.

@@ -1,11 +1,7 @@
 """How cloth resists bending: a linear force, as long as the cloth hardly stretches.
 
-The energy is that of Bergou et al. 2006, "A quadratic bending model for inextensible surfaces": for
-each pair of triangles that share an edge, the squared length of a weighted sum of their corners
-over their area. Flat cloth has none, whatever its mesh. We scale it so that equilateral triangles
-rolled up in any direction have the energy of a plate, half the bending stiffness times the squared
-curvature: a third of that paper's, whose sum of squares counts a bend once for each direction of
-the mesh. Sewn edges bend like others: a seam wants to lie flat.
+Flat cloth has no bending energy, whatever its mesh. Sewn edges bend like others: a seam wants to
+lie flat.
 """
 
 from typing import Any
@@ -14,23 +10,22 @@ import numpy as np
 from jaxtyping import Float, Int
 
 
+# Bergou et al. 2006, "A quadratic bending model for inextensible surfaces": each hinge, a pair of
+# triangles that share an edge, has the energy E = 3 / (2 A) |K x|^2. A is the area of both, and
+# K holds sums of cotangents that add up to zero. We take a third of that, so Q = sum of K^T K / A:
+# equilateral triangles rolled up in any direction then have the energy of a plate, half the bending
+# stiffness times the squared curvature. The paper's sum of squares counts a bend once for each
+# direction of the mesh.
 def bending_matrix(
     faces: Int[np.ndarray, "face 3"], flat: Float[np.ndarray, "face 3 2"], vertex_count: int
 ) -> Any:
     """The matrix Q of the bending energy x Q x / 2, for a bending stiffness of 1.
 
-    Args:
-        faces: vertices of each triangle.
-        flat: rest places of each triangle's corners in its own panel [cm].
-        vertex_count: rows of the matrix.
-
-    Returns:
-        A symmetric scipy CSR array, vertex by vertex [1/cm2].
+    A symmetric scipy CSR array, vertex by vertex [1/cm2]. `flat` are the rest places of each
+    triangle's corners in its own panel [cm].
     """
     from scipy.sparse import coo_array
 
-    # Bergou et al.: E = 3 / (2 A) |K x|^2 for each hinge, where K holds sums of cotangents and its
-    # entries add up to zero; a third of that is used here, so Q = sum of K^T K / A.
     hinge, cotangent, area = _hinges(faces, flat)
     # Corners of a hinge: its edge's two ends, then the two vertices across it.
     start0, end0, start1, end1 = cotangent.T

@@ -12,14 +12,10 @@ def vertex_normals(
 ) -> Float[np.ndarray, "vertex 3"]:
     """Means of the normals of the faces round each vertex, weighted by area, as unit vectors.
 
-    The cross product of two sides is the normal times twice the area, so that a plain sum weighs.
-
-    Args:
-        points: places of the vertices [cm].
-        faces: triangles, counter-clockwise seen from outside.
-        default: the normal where the sum is zero: at a vertex without faces, or where those of a
-            fold cancel out.
+    Faces run counter-clockwise seen from outside. `default` is the normal where the sum is zero: at
+    a vertex without faces, or where those of a fold cancel out.
     """
+    # The cross product of two sides is the normal times twice the area, so that a plain sum weighs.
     a, b, c = (points[faces[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
     total = np.zeros_like(points)

@@ -22,18 +22,14 @@ the shorter side, and the longer one's cloth has to fold. Elsewhere it takes the
 class Rest:
     """A cloth without strain. Lengths in cm, areas in cm²."""
 
-    faces: Int[np.ndarray, "face 3"]
-    """Vertices of each triangle, in the order of the cloth's faces."""
-    edges: Int[np.ndarray, "edge 2"]
-    """Vertices of each edge, the smaller number first; sorted."""
-    length: Float[np.ndarray, " edge"]
-    """Rest length of each edge."""
+    faces: Int[np.ndarray, "face 3"]  # vertices of each triangle, in the order of the cloth's faces
+    edges: Int[np.ndarray, "edge 2"]  # vertices of each edge, the smaller number first; sorted
+    length: Float[np.ndarray, " edge"]  # rest length of each edge
     area: Float[np.ndarray, " edge"]
     """Area of the triangles at each edge: a stretch stiffness is modulus x area / length²."""
     vertex_area: Float[np.ndarray, " vertex"]
     """Cloth that each vertex carries: a third of each triangle round it."""
-    face_area: Float[np.ndarray, " face"]
-    """Area of each triangle."""
+    face_area: Float[np.ndarray, " face"]  # area of each triangle
     inverse: Float[np.ndarray, "face 2 2"]
     """Inverse of the matrix whose columns go from a flat triangle's first corner to the others."""
 

@@ -1,9 +1,7 @@
 """A polygon with holes as good triangles, its boundary kept as given.
 
-The outline is triangulated by GEOS (constrained Delaunay: every side of the boundary is a side of
-a triangle, by construction). Points put inside split the triangle they fall into; edges are then
-flipped until Delaunay, the boundary excepted. So no side of the boundary can be lost. The steps
-after GEOS stand above the compiled loops in `_kernels`.
+The outline is triangulated by GEOS (constrained Delaunay). Points put inside split the triangle
+they fall into; edges are then flipped until Delaunay, the boundary excepted: see `_kernels`.
 
 Why no mesh generator is used: `triangle` may not be used commercially, `meshpy` wraps it, and
 `gmsh` is under the GPL, none of which this package could pass on under its own licence. GEOS (LGPL,
@@ -31,12 +29,13 @@ def triangulate(
 
     Args:
         rings: outline, then holes; each simple, apart from each other, and of either sense.
-        spacing: distance of neighbouring points inside [the unit of `rings`].
+        spacing: distance of neighbouring points inside, in the unit of `rings`.
 
     Returns:
         Points, those of the rings first and in order, and triangles, counter-clockwise; None where
         the rings cross themselves or each other.
     """
+    # The sides of the boundary are sides of triangles by construction (GEOS); flips spare them.
     assert spacing > 0 and all(len(ring) > 2 for ring in rings)
     boundary = np.concatenate(rings)
     faces = _outline_triangles(rings, boundary)

@@ -46,8 +46,7 @@ MIN_LENGTH = 1e-9
 class SolverState(NamedTuple):
     """What passes from one span of frames to the next, beside the places."""
 
-    displacement: Float[np.ndarray, "vertex 3"]
-    """How far each vertex went in the last step [cm]."""
+    displacement: Float[np.ndarray, "vertex 3"]  # how far each vertex went in the last step [cm]
     planes: Float[np.ndarray, "vertex 4"]
     """Tangent plane of the body for each vertex: unit normal n and offset c [cm]; n . x >= c is
     outside."""
@@ -61,18 +60,15 @@ class Triangles(NamedTuple):
     """Triangles of the cloth."""
 
     faces: Int[np.ndarray, "face 3"]
-    max_lift: Float[np.ndarray, " vertex"]
-    """Greatest lift of each vertex [cm]."""
+    max_lift: Float[np.ndarray, " vertex"]  # greatest lift of each vertex [cm]
 
 
 class Springs(NamedTuple):
     """Resistance to stretch along the edges."""
 
     ends: Int[np.ndarray, "edge 2"]
-    length: Float[np.ndarray, " edge"]
-    """At rest [cm]."""
-    stiffness: Float[np.ndarray, " edge"]
-    """[dyn/cm]"""
+    length: Float[np.ndarray, " edge"]  # at rest [cm]
+    stiffness: Float[np.ndarray, " edge"]  # [dyn/cm]
 
 
 class Bending(NamedTuple):
@@ -86,8 +82,7 @@ class Bending(NamedTuple):
 class Masses(NamedTuple):
     """Inertia and weight of the vertices."""
 
-    inverse_mass: Float[np.ndarray, " vertex"]
-    """1 / inertia [1/g]."""
+    inverse_mass: Float[np.ndarray, " vertex"]  # 1 / inertia [1/g]
     weight_share: Float[np.ndarray, " vertex"]
     """Mass that is weighed over inertia: below 1 where inertia was added for stability."""
 
@@ -96,23 +91,17 @@ class Pins(NamedTuple):
     """Vertices that are pulled to targets, axis by axis."""
 
     vertices: Int[np.ndarray, " pin"]
-    targets: Float[np.ndarray, "pin 3"]
-    """[cm]"""
-    share: Float[np.ndarray, "pin 3"]
-    """Share of the distance to the target that a step covers."""
-    max_shift: Float[np.ndarray, " pin"]
-    """Farthest that a step pulls along an axis [cm]."""
+    targets: Float[np.ndarray, "pin 3"]  # [cm]
+    share: Float[np.ndarray, "pin 3"]  # share of the distance to the target that a step covers
+    max_shift: Float[np.ndarray, " pin"]  # farthest that a step pulls along an axis [cm]
 
 
 class Field(NamedTuple):
     """The body's signed distance at the nodes of a grid."""
 
-    values: Float32[np.ndarray, "x y z"]
-    """[cm]"""
-    origin: Float[np.ndarray, " 3"]
-    """Place of the first node [cm]."""
-    per_cell: float
-    """1 / distance between nodes [1/cm]."""
+    values: Float32[np.ndarray, "x y z"]  # [cm]
+    origin: Float[np.ndarray, " 3"]  # place of the first node [cm]
+    per_cell: float  # 1 / distance between nodes [1/cm]
 
 
 class Material(NamedTuple):
@@ -131,8 +120,7 @@ class Model(NamedTuple):
     bending: Bending
     masses: Masses
     pins: Pins
-    has_friction: Bool[np.ndarray, " vertex"]
-    """Vertices with friction while seams close, too."""
+    has_friction: Bool[np.ndarray, " vertex"]  # vertices with friction while seams close, too
     field: Field
     material: Material
 
@@ -142,10 +130,8 @@ class Schedule(NamedTuple):
 
     gather_frames: int
     min_frames: int
-    substeps: int
-    """Steps a frame."""
-    refresh: int
-    """Steps for which bending forces and planes are kept."""
+    substeps: int  # steps a frame
+    refresh: int  # steps for which bending forces and planes are kept
 
 
 class Rates(NamedTuple):

@@ -29,12 +29,9 @@ CLOTH_BAND = 2.2
 class DistanceField:
     """Signed distance to a surface at the nodes of a grid, negative inside."""
 
-    values: Float32[np.ndarray, "x y z"]
-    """[cm]"""
-    origin: Float[np.ndarray, " 3"]
-    """Place of the first node [cm]."""
-    cell: float
-    """Distance between nodes [cm]."""
+    values: Float32[np.ndarray, "x y z"]  # [cm]
+    origin: Float[np.ndarray, " 3"]  # place of the first node [cm]
+    cell: float  # distance between nodes [cm]
 
     def at(self, points: Float[np.ndarray, "point 3"]) -> Float[np.ndarray, " point"]:
         """Signed distances, interpolated between nodes; beyond the grid as at its rim [cm]."""
@@ -58,12 +55,8 @@ class DistanceField:
         """The same obstacle wearing settled cloth, for a layer that goes over it.
 
         What lies up to `CLOTH_BAND` behind the cloth counts as inside, so that an outer layer is
-        pushed out and not kept in the gap. Rims of the cloth have no inside.
-
-        Args:
-            points: the cloth at rest [cm].
-            faces: its triangles, counter-clockwise seen from outside the body.
-            thickness: of the cloth [cm]; the obstacle's surface lies this far outside `points`.
+        pushed out and not kept in the gap. Rims of the cloth have no inside. Faces run
+        counter-clockwise seen from outside; the obstacle lies `thickness` [cm] outside `points`.
         """
         cloth = _near(self.values.shape, self.origin, self.cell, points, faces, CLOTH_BAND)
         values = np.minimum(self.values, cloth - np.float32(thickness))
@@ -94,11 +87,7 @@ def surface_distance(
 ) -> DistanceField:
     """The signed distance to a closed surface, which may touch itself and pass through itself.
 
-    Args:
-        points: vertices of the surface [cm].
-        faces: triangles, counter-clockwise seen from outside.
-        cell: distance between grid nodes [cm].
-        pad: how far the grid goes beyond the surface [cm].
+    Faces run counter-clockwise seen from outside; the grid goes `pad` [cm] beyond the surface.
     """
     # Nodes lie at odd halves of a cell, so that a mirrored surface has the mirrored field.
     origin = (np.floor((points.min(axis=0) - pad) / cell - 0.5) + 0.5) * cell

@@ -80,12 +80,9 @@ def _tops(
 class _RoundSeam:
     """The round seam by which half of a circle skirt hangs from what is over it."""
 
-    middle: float
-    """Height of the centre of its circle [cm]."""
-    radius: float
-    """[cm]"""
-    end: float
-    """How far it goes to either side from straight down [rad]."""
+    middle: float  # height of the centre of its circle [cm]
+    radius: float  # [cm]
+    end: float  # how far it goes to either side from straight down [rad]
 
 
 def _round_seam(

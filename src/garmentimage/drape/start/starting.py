@@ -28,10 +28,7 @@ def start_points(
 ) -> Float[np.ndarray, "vertex 3"]:
     """Where every vertex begins: halfway between the corners that are sewn into it [cm].
 
-    Args:
-        cloth: the sewn garment, its panels where the body wears them.
-        body: who wears it.
-        placements: where each item of clothing was put.
+    The panels of the cloth already lie where the body wears them.
     """
     corners = np.empty((len(cloth.flat), 3))
     for k, panel in enumerate(cloth.pattern.panels):

@@ -20,14 +20,13 @@ STEP = 4.0
 
 
 def tuck_in(rest: Rest, start: Float[np.ndarray, "vertex 3"], body: Body, level: float) -> Rest:
-    """The cloth of a top with what lies lower than a level gathered round the body.
+    """The cloth of a top with what lies lower than the waistband gathered round the body.
 
-    Args:
-        rest: the top.
-        start: where its vertices begin, flat in front of the body and behind it [cm].
-        body: who wears it.
-        level: height of the waistband that holds it [cm].
+    Its vertices begin at `start`, flat in front of the body and behind it; the waistband that holds
+    it is at the height `level` [cm].
     """
+    # A length l with the level part w of its direction shrinks to l sqrt(1 - w (1 - s^2)), as if
+    # all level distances became the share s.
     x, y, _ = start.T
     crotch = float(body.landmarks["crotch"][1]) if "crotch" in body.landmarks else -np.inf
     levels = np.arange(level, max(float(y.min()), crotch) - STEP, -STEP)

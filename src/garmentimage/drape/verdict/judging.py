@@ -45,15 +45,8 @@ def assess_drape(
 ) -> DrapeReport:
     """Measure a drape and list its faults.
 
-    Args:
-        cloth: the sewn garment ...
-        rest: ... and what it is without strain.
-        start: where its vertices began [cm].
-        points: where they are now [cm].
-        body: who wears it.
-        items: its items of clothing ...
-        motions: ... and how each of them moved.
-        seconds: what it took so far.
+    Vertices began at `start` and are now at `points` [cm]; each item has its motion. `seconds` is
+    the time it took so far.
     """
     settled = all(m.settled for m in motions)
     frames = max(m.frames for m in motions)

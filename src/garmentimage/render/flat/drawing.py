@@ -267,12 +267,9 @@ class _Lettering:
 
     text: str
     middle: Float[np.ndarray, " 2"]
-    angle: float
-    """Counter-clockwise [degrees]."""
-    length: float
-    """[cm]"""
-    share: float
-    """Size of the letters, in full sizes."""
+    angle: float  # counter-clockwise [degrees]
+    length: float  # [cm]
+    share: float  # size of the letters, in full sizes
 
     def touches(self, x: float, y: float, space: float) -> bool:
         """Whether a point lies on the line of letters or nearer to it than `space` [cm]."""

@@ -29,26 +29,21 @@ the coarse picture from the light."""
 class Shape(NamedTuple):
     """One surface as the camera sees it."""
 
-    depth: Float[np.ndarray, " vertex"]
-    """Of the vertices [cm]."""
-    normals: Float[np.ndarray, "vertex 3"]
-    """In the axes of the camera."""
+    depth: Float[np.ndarray, " vertex"]  # of the vertices [cm]
+    normals: Float[np.ndarray, "vertex 3"]  # in the axes of the camera
     faces: Int[np.ndarray, "face 3"]
-    ids: Int[np.ndarray, " face"]
-    """What the panel picture shows."""
+    ids: Int[np.ndarray, " face"]  # what the panel picture shows
 
 
 class Dye(NamedTuple):
     """Colour of a surface: one for each face, times a print where there is one."""
 
-    colour: Float32[np.ndarray, "face 3"]
-    """Linear light."""
+    colour: Float32[np.ndarray, "face 3"]  # linear light
     flat: Float[np.ndarray, "face_or_0 3 2"]
     """Place of the corners on the flat cloth [cm]; empty where there is no print."""
     tile: Float32[np.ndarray, "texel_row texel_col 3"]
     """Linear light of the repeated tile of the print."""
-    width: float
-    """Of the tile [cm]."""
+    width: float  # of the tile [cm]
     height: float
 
 
@@ -56,12 +51,10 @@ class Lamps(NamedTuple):
     """Lights of a scene in the axes of the camera; directions go from the surface to the lamp."""
 
     key_direction: Float32[np.ndarray, " 3"]
-    key: Float32[np.ndarray, " 3"]
-    """Linear light, as for the other lamps."""
+    key: Float32[np.ndarray, " 3"]  # linear light, as for the other lamps
     fill_direction: Float32[np.ndarray, " 3"]
     fill: Float32[np.ndarray, " 3"]
-    up: Float32[np.ndarray, " 3"]
-    """The world's upward direction."""
+    up: Float32[np.ndarray, " 3"]  # the world's upward direction
     sky: Float32[np.ndarray, " 3"]
     ground: Float32[np.ndarray, " 3"]
     rim: np.float32
@@ -72,10 +65,8 @@ class Lighting(NamedTuple):
     """Lamps, and how much of them reaches each pixel."""
 
     lamps: Lamps
-    open_share: Float32[np.ndarray, "row col"]
-    """Share of the light from all round."""
-    lit_share: Float32[np.ndarray, "row col"]
-    """Share of the key light."""
+    open_share: Float32[np.ndarray, "row col"]  # share of the light from all round
+    lit_share: Float32[np.ndarray, "row col"]  # share of the key light
 
 
 class Maps(NamedTuple):
@@ -91,23 +82,17 @@ class PictureRays(NamedTuple):
 
     slope: float
     """1 / distance of a perspective camera, whose breadth goes with depth; 0 if orthographic."""
-    extent: float
-    """Breadth of the picture at the target [cm]."""
-    origin: float
-    """Depth of the target [cm]."""
+    extent: float  # breadth of the picture at the target [cm]
+    origin: float  # depth of the target [cm]
 
 
 class ShadowMap(NamedTuple):
     """A picture taken from the key light, which looks at the same target."""
 
-    near: Float32[np.ndarray, "row col"]
-    """Depth seen from the light [cm]."""
-    turn: Float[np.ndarray, "3 3"]
-    """Rotation from the camera's axes to those of the light."""
-    scale: float
-    """Pixels of the map per cm."""
-    origin: float
-    """Depth of the target in it [cm]."""
+    near: Float32[np.ndarray, "row col"]  # depth seen from the light [cm]
+    turn: Float[np.ndarray, "3 3"]  # rotation from the camera's axes to those of the light
+    scale: float  # pixels of the map per cm
+    origin: float  # depth of the target in it [cm]
     offsets: Float32[np.ndarray, "probe 2"]
     """Steps over which the shadow's edge is softened [pixel of the map]."""
 
@@ -116,13 +101,9 @@ class ShadowMap(NamedTuple):
 def find_pixels(step, cloth_from, visible, silhouette, behind, pixels):
     """List the pixels in which something is seen, and how much of each; returns their number.
 
-    Args:
-        step: samples of a pixel along each axis.
-        cloth_from: number of the first surface that counts for `silhouette`.
-        visible: what is seen at each sample, a `Visible`.
-        silhouette: share of each pixel in which cloth is seen; is written to.
-        behind: share in which nothing is; is written to.
-        pixels: [pixel 4] row, column, and row and column of the nearest sample; is written to.
+    A pixel has `step` samples along each axis; surfaces are cloth from number `cloth_from` on. What
+    is written: the share of each pixel in which cloth is seen (`silhouette`), in which nothing is
+    (`behind`); and [pixel 4] row, column, and row and column of the nearest sample (`pixels`).
     """
     near, owner = visible.near, visible.owner
     count = 0
@@ -227,16 +208,7 @@ def find_open_share(pixels, maps, probes, pixel, radius, strength, share):
 # test is not binary: what is less than 1 cm in front of the limit shadows in part.
 @njit(cache=True, error_model="numpy")
 def find_lit_share(pixels, depth, rays, shadow_map, strength, share):
-    """Share of the key light that reaches each pixel: cast shadows.
-
-    Args:
-        pixels: from `find_pixels`.
-        depth: of the pixels [cm].
-        rays: where pixels lie, `PictureRays`.
-        shadow_map: the picture from the light, a `ShadowMap`.
-        strength: share of the light that a shadow takes.
-        share: is written to.
-    """
+    """Write the share of the key light that reaches each pixel; a shadow takes `strength` of it."""
     turn, scale, offsets = shadow_map.turn, shadow_map.scale, shadow_map.offsets
     size, span = len(depth), len(shadow_map.near)
     for p in range(len(pixels)):
@@ -295,17 +267,9 @@ def _print_at(dye, k, wb, wc):
 # - Rim r: one minus the cosine between normal and line of sight.
 @njit(cache=True, error_model="numpy")
 def shade(number, pixels, visible, shape, dye, ink, lighting, light):
-    """Add the light of surface `number` to the pixels, each sample by its share.
+    """Add the linear light of surface `number` to the pixels of `light`, each sample by its share.
 
-    Args:
-        number: of the surface, as in `visible.owner`.
-        pixels: from `find_pixels`.
-        visible: what is seen at each sample, a `Visible`.
-        shape: the surface, a `Shape`.
-        dye: its colours, a `Dye`.
-        ink: [sample sample] how much of a drawn line each sample shows; empty where none is drawn.
-        lighting: lamps and shadows, `Lighting`.
-        light: [row col 3] linear light of the picture; is added to.
+    `ink` says how much of a drawn line each sample shows; it is empty where none is drawn.
     """
     owner, face, weight = visible.owner, visible.face, visible.weight
     lamps, open_share, lit_share = lighting

@@ -12,12 +12,9 @@ from numba import njit
 class Screen(NamedTuple):
     """Vertices on the picture."""
 
-    x: Float[np.ndarray, " vertex"]
-    """Column [sample], from the left edge."""
-    y: Float[np.ndarray, " vertex"]
-    """Row [sample], from the top edge."""
-    depth: Float[np.ndarray, " vertex"]
-    """[cm]"""
+    x: Float[np.ndarray, " vertex"]  # column [sample], from the left edge
+    y: Float[np.ndarray, " vertex"]  # row [sample], from the top edge
+    depth: Float[np.ndarray, " vertex"]  # [cm]
 
 
 # A triangle is scanned over its bounding box with edge functions (Pineda 1988, "A parallel
@@ -27,20 +24,13 @@ class Screen(NamedTuple):
 # is 1 / z, and a weight over z: z = 1 / sum(w_i / z_i), and corrected weights are w_i z / z_i.
 @njit(cache=True, error_model="numpy")
 def draw_faces(screen, faces, lift, two_sided, perspective, number, visible):
-    """Draw triangles into the buffers of a `Visible`.
+    """Draw the triangles of surface `number` into the buffers of a `Visible`.
 
     Cloth lies so near to the skin that chords of one cut through the other. So a face is drawn
     `lift` [cm] off its place along the line of sight: towards the viewer where its outside is seen,
     away where its inside is.
 
-    Args:
-        screen: the vertices, a `Screen`.
-        faces: [face 3] counter-clockwise seen from outside.
-        lift: see above [cm].
-        two_sided: whether the inside is drawn, too.
-        perspective: whether the camera is a perspective one.
-        number: of the surface.
-        visible: a `Visible`; is written to.
+    Faces run counter-clockwise seen from outside; their insides are drawn if `two_sided`.
     """
     x, y, depth = screen
     near, owner, face, weight = visible
@@ -97,14 +87,7 @@ def draw_lines(screen, lines, radius, reach, shade, near, ink):
     than `reach` [cm] nearer does not hide it. The distance of a sample is that to the nearest point
     of the segment, whose share t along it is clamped to 0 and 1.
 
-    Args:
-        screen: the vertices, a `Screen`.
-        lines: [line 2] vertices at both ends.
-        radius: half of the breadth [sample].
-        reach: see above [cm].
-        shade: how much ink the line has, from 0 to 1.
-        near: [row col] depth of what is seen [cm].
-        ink: [row col] is written to.
+    `near` is the depth of what is seen [cm]; `shade`, from 0 to 1, is written to `ink`.
     """
     x, y, depth = screen
     rows, cols = near.shape

@@ -39,23 +39,19 @@ class Surface:
     """Triangles of one kind and what they look like."""
 
     name: str
-    points: Float[np.ndarray, "vertex 3"]
-    """[cm]"""
+    points: Float[np.ndarray, "vertex 3"]  # [cm]
     faces: Int[np.ndarray, "face 3"]
     """Vertices of each triangle, counter-clockwise seen from outside."""
     colour: Float[np.ndarray, "face 3"]
     """Colour of each triangle [sRGB, 0 to 1]; where there is a print, the print is tinted by it."""
     ids: Int[np.ndarray, " face"]
     """What the panel picture says: number of the panel + 1, or 0 for a body."""
-    normals: Float[np.ndarray, "vertex 3"]
-    """Unit normals that shade the surface smoothly."""
+    normals: Float[np.ndarray, "vertex 3"]  # unit normals that shade the surface smoothly
     flat: Float[np.ndarray, "face 3 2"] | None = None
     """Place of each face's corners on the flat cloth [cm], for prints."""
     cloth_print: Print | None = None
-    two_sided: bool = True
-    """Whether the inside shows, too, in a darker shade."""
-    lift: float = 0.0
-    """How far off its place, away from the inside, it is drawn [cm]."""
+    two_sided: bool = True  # whether the inside shows, too, in a darker shade
+    lift: float = 0.0  # how far off its place, away from the inside, it is drawn [cm]
     seams: Int[np.ndarray, "seam 2"] = field(default_factory=lambda: NO_LINES)
     """Vertices of the lines along which it is sewn."""
     hems: Int[np.ndarray, "hem 2"] = field(default_factory=lambda: NO_LINES)
