@@ -45,7 +45,7 @@ lint: $(VENV)/ready-dev
 
 # A cache of its own: numba does not ask how what it has there was compiled.
 KERNEL_TESTS := tests/test_kernels.py tests/raster/test_lattice.py tests/raster/test_decode_refit.py \
-	tests/drape/test_mesh.py tests/drape/test_crossings.py tests/render/test_worn.py
+	tests/drape/test_mesh.py tests/drape/test_intersections.py tests/render/test_worn.py
 check-kernels: $(VENV)/ready-dev
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python -m pytest \
 		-m "not slow and not corpus" $(KERNEL_TESTS)

@@ -106,11 +106,11 @@ def record_with(**change):
         (record_with(waist_girth=5), "give 45 to 190 cm"),
     ],
 )
-def test_a_record_that_will_not_do_is_named(text, says):
+def test_a_fault_of_a_record_is_named(text, says):
     assert says in refusal(BodyMeasurements.from_json, text)
 
 
-def test_a_file_that_will_not_do_is_named(tmp_path):
+def test_a_file_that_cannot_be_read_is_named(tmp_path):
     assert "cannot be read" in refusal(load_measurements, tmp_path / "none.json")
     assert "cannot be read" in refusal(load_measurements, tmp_path)
     (tmp_path / "bad.json").write_bytes(b"\xff\xfe\xff")

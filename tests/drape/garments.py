@@ -1,4 +1,4 @@
-"""Small garments made by code for the tests of standing and holding."""
+"""Small garments made by code for the tests of placement and support."""
 
 from dataclasses import replace
 

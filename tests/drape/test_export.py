@@ -199,7 +199,7 @@ def test_other_endings_and_missing_folders_are_refused(worn, tmp_path):
         save_drape(tmp_path / "none" / "worn.obj", worn)
 
 
-def test_what_is_no_garment_is_refused_in_one_sentence(worn, tmp_path):
+def test_what_is_not_a_garment_is_refused_in_one_sentence(worn, tmp_path):
     import trimesh
 
     raw = glb_bytes(worn)

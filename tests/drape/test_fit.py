@@ -64,7 +64,7 @@ def test_a_jacket_that_is_open_in_front_fits_the_first_body():
     assert best_fit([next(iter(sample("jacket", 1, 0))).pattern]).body == ORDER[0]
 
 
-def test_a_narrow_waist_is_worn_by_the_slim_body_when_auto_is_asked_for():
+def test_auto_picks_the_slim_body_for_a_narrow_waist():
     pattern = next(iter(sample("pants", 1, 0, body="slim-female"))).pattern
     assert gi.drape_pattern(pattern, AUTO).body.name == "slim-female"
 

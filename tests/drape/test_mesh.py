@@ -89,7 +89,7 @@ def test_triangles_fill_the_panels_and_stitches_join_them(pattern):
 
 
 @pytest.mark.parametrize("kind", sorted(kinds()))
-def test_every_drafted_kind_becomes_cloth_of_about_the_size_asked_for(kind):
+def test_every_drafted_kind_becomes_cloth_of_about_the_chosen_size(kind):
     cloth = mesh(draft_pattern(kind))
     check_cloth(cloth)
     assert abs(cloth.vertex_count / 2000 - 1) < COUNT_SHARE
@@ -318,7 +318,7 @@ def ring(name, count):
         ),
     ],
 )
-def test_what_is_no_garment_is_refused_before_it_is_cut(panels, sentence):
+def test_a_pattern_too_large_for_a_garment_is_refused_before_it_is_meshed(panels, sentence):
     with pytest.raises(DrapeError, match=sentence):
         mesh(Pattern(tuple(panels), (), "too much"))
 
@@ -337,7 +337,7 @@ def test_the_number_of_vertices_is_met(count):
         (square("cloth", 50.0), 1000, ""),
     ],
 )
-def test_why_a_number_of_vertices_is_not_met_is_said(panel, asked, why):
+def test_a_vertex_count_that_is_not_met_is_explained(panel, asked, why):
     count = mesh(Pattern((panel,), ()), vertices=asked).vertex_count
     assert (
         (why in explain_vertex_count(count, asked))

@@ -137,7 +137,7 @@ def test_the_neckline_turns_round_no_limb_but_the_four_together():
     assert len(set(counts)) == 1 and abs(counts[0]) == 1
 
 
-def test_an_arm_that_slips_out_of_its_ring_is_told():
+def test_an_arm_that_slips_out_of_its_ring_is_detected():
     body = load_body()
     middle, axis = along(body, 0.6)
     line = ring(middle, axis, 9.0)

@@ -1,4 +1,4 @@
-"""Laws of cloth: what it weighs, stretches, bends and rubs comes out as computed by hand."""
+"""Laws of cloth: its weight, stretch, bending and friction are as computed by hand."""
 
 from dataclasses import replace
 

@@ -70,7 +70,7 @@ def test_crumpled_cloth_does_not_explode():
     assert np.abs(motion.points).max() < 100
 
 
-def test_a_held_vertex_stays_and_a_height_held_one_slides_level():
+def test_a_pinned_vertex_does_not_move_and_one_pinned_in_height_slides_level():
     flat, _, rest = sheet(9, 10, 2.5)
     start = standing(flat)
     top = np.flatnonzero(flat[:, 1] > flat[:, 1].max() - 1e-6)

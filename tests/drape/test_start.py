@@ -163,7 +163,7 @@ def wide_front() -> Pattern:
     return replace(tee, panels=(*tee.panels, front), stitches=(*tee.stitches, stitch))
 
 
-def test_the_wide_half_of_a_front_is_no_sleeve():
+def test_the_wide_half_of_a_front_is_not_a_sleeve():
     body = load_body("mean-female")
     assert limbs_inside(wide_front(), body) >= {"left arm", "right arm"}
     cloth = mesh(place_on_body(wide_front(), body)[0], vertices=FEW)

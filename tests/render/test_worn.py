@@ -109,7 +109,7 @@ def test_the_depth_of_a_tilted_plane_is_true_in_perspective():
     depth = picture([tilted], camera, size=size).depth
     row = np.flatnonzero(np.isfinite(depth[:, size // 2]))
     # The plane is z = -4 y, seen along the ray y = rise x depth / 100 with z = 100 - depth. A pixel
-    # tells of the nearest of its samples, at most half a pixel off its middle.
+    # describes the nearest of its samples, at most half a pixel off its middle.
     rise = (size / 2 - row - 0.5) * camera.extent / size / 100
     expected = 100 / (1 - 4 * rise)
     slack = 4 * expected**2 / 100 * camera.extent / size / 100 * 50
@@ -219,7 +219,7 @@ def test_a_kept_body_does_not_show_in_a_picture_without_it():
 
 
 @pytest.mark.parametrize("size", [16, 64, 100, 257, 512])
-def test_a_picture_has_the_asked_size(size):
+def test_a_picture_has_the_chosen_size(size):
     views = picture([square()], CAMERA, size=size)
     assert views.colour.shape == (size, size, 3) and views.colour.dtype == np.uint8
     assert views.depth.shape == views.panel.shape == views.silhouette.shape == (size, size)
@@ -266,7 +266,7 @@ def test_seams_show_where_nothing_hides_them():
     assert (hidden.colour == covered.colour).all()
 
 
-def test_stripes_lie_on_the_cloth_as_wide_as_asked():
+def test_stripes_lie_on_the_cloth_in_their_width():
     cloth = square(half=16.0, colour="white")
     place = cloth.points[cloth.faces][:, :, :2]
     striped = replace(cloth, flat=place, cloth_print=stripes("black", "white", period=8.0))
@@ -447,7 +447,7 @@ def test_a_picture_of_ones_own_becomes_a_print(tmp_path):
         lambda: square(z=np.nan),
     ],
 )
-def test_bad_arguments_are_told_in_one_sentence(make):
+def test_bad_arguments_are_refused_in_one_sentence(make):
     with pytest.raises(RenderError) as caught:
         make()
     assert "\n" not in str(caught.value) and len(str(caught.value)) > 10

@@ -21,6 +21,7 @@ from .measure import (
 )
 from .mend import (
     agreeing as agreeing,
+    mesh_edges as mesh_edges,
 )
 from .mesh_file import (
     MESH_FORMATS as MESH_FORMATS,

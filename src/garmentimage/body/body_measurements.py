@@ -25,8 +25,7 @@ from garmentimage.system import did_you_mean, errors_about, write_atomically
 
 SHIPPED_FILE = "measurements.json"
 """The records of the shipped bodies, in the package's `body/data`."""
-MAX_SHOWN = 5
-"""Names of missing measurements that a message shows."""
+MAX_SHOWN = 5  # names of missing measurements that a message shows
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ from garmentimage.body.body import Body, Points3, Vector3
 from garmentimage.body.measure import ACROSS, UP, cut, skin_on_line
 from garmentimage.errors import DraftError
 
-NECK_POINT = 0.849
-"""Height of the neck points, as a share of the stature."""
+NECK_POINT = 0.849  # height of the neck points, as a share of the stature
 NECK_WIDTH = 0.042
 """Distance of the neck points from the middle, as a share of the stature."""
 CERVICAL_ABOVE = 0.011
@@ -29,8 +28,7 @@ HIP_ABOVE = 0.058
 """Height of the hip joints over the crotch, as a share of the stature."""
 HIP = 0.065
 """Distance of the hip joints from the middle, as a share of the stature."""
-KNEE, ANKLE = 0.29, 0.046
-"""Heights of the leg's joints, as shares of the stature."""
+KNEE, ANKLE = 0.29, 0.046  # heights of the leg's joints, as shares of the stature
 
 
 def trunk_section(body: Body) -> Points3:

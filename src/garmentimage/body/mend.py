@@ -134,8 +134,8 @@ def _rank(group: Int[np.ndarray, " n"], counted: Bool[np.ndarray, " n"]) -> Int[
     return rank
 
 
-def _edges(faces: Faces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Ends of each edge, lower number first; the edge of each side; 1 or -1 for its direction.
+def mesh_edges(faces: Faces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sorted ends of each edge, lower number first; the edge of each side; 1 or -1 as it runs.
 
     First come the first sides of all triangles, then the second and the third.
     """
@@ -148,7 +148,7 @@ def _edges(faces: Faces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _rim_edges(faces: Faces) -> Int[np.ndarray, "edge 2"]:
     """Directed edges that are used more often in one direction, once for each surplus use."""
-    ends, edge, way = _edges(faces)
+    ends, edge, way = mesh_edges(faces)
     net = np.bincount(edge, way, minlength=len(ends)).astype(int)
     edges = np.repeat(ends, np.abs(net), axis=0)
     backwards = np.repeat(net < 0, np.abs(net))
@@ -163,7 +163,7 @@ def agreeing(faces: Faces) -> Faces:
     joined as they stand, others crosswise. So the triangles that agree with each other are one
     connected part of it.
     """
-    ends, edge, way = _edges(faces)
+    ends, edge, way = mesh_edges(faces)
     paired = np.bincount(edge, minlength=len(ends)) == 2
     if not (paired & (np.bincount(edge, way, minlength=len(ends)) != 0)).any():
         return faces

@@ -20,8 +20,7 @@ from garmentimage.body.upright import ADULT, upright
 from garmentimage.errors import DraftError
 from garmentimage.system import errors_about, read_limited
 
-MESH_FORMATS = ("obj", "ply", "stl", "glb")
-"""Endings of files that are read."""
+MESH_FORMATS = ("obj", "ply", "stl", "glb")  # endings of files that are read
 MAX_FILE_BYTES = 100_000_000
 FACE_RANGE = (500, 400_000)
 """Triangles of a body: with fewer there is no shape, more only cost time."""

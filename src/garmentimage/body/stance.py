@@ -14,16 +14,14 @@ from jaxtyping import Float
 from garmentimage.body.body import Body, Vector3, load_body
 from garmentimage.errors import check_type
 
-WORN_LEG_ANGLE = np.deg2rad(2.5)
-"""How far each leg stands out on a body that wears something."""
+WORN_LEG_ANGLE = np.deg2rad(2.5)  # how far each leg stands out on a body that wears something
 TURNED_BELOW_CROTCH = 6.0
 """From the hip joint to this far under the crotch, skin turns more and more with the leg [cm]."""
 HANDS = 35.0
 """Skin farther than this from the middle does not belong to a leg [cm]."""
 BETWEEN = 3.0
 """Skin nearer to the middle than this turns less, in the middle not at all [cm]."""
-BODIES_KEPT = 16
-"""Bodies whose stance is remembered."""
+BODIES_KEPT = 16  # bodies whose stance is remembered
 
 
 @lru_cache(maxsize=BODIES_KEPT)

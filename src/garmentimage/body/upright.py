@@ -38,8 +38,7 @@ MIDDLE = 0.02
 """Points nearer to the plane of symmetry than this share of the body's size are in its middle."""
 STRAIGHT, SQUARE = np.deg2rad(4.0), np.deg2rad(2.0)
 """Bodies that lean by less, and that are turned by less about the vertical, are left so."""
-MAX_LEANING = np.deg2rad(30.0)
-"""A body that leans more lies or sits."""
+MAX_LEANING = np.deg2rad(30.0)  # a body that leans more lies or sits
 MIDDLE_OFF = 0.3
 """The middle of the span is x = 0 unless the plane of symmetry lies farther from it [cm]: the hands
 may be unlike."""

@@ -21,8 +21,7 @@ from garmentimage.errors import DrapeError, quoted
 from garmentimage.geometry import component_labels
 from garmentimage.pattern import Pattern, without_stubs
 
-AUTO = "auto"
-"""Stands for the shipped body on which a garment fits best."""
+AUTO = "auto"  # stands for the shipped body on which a garment fits best
 CHEST, HIP = 0.46, 0.33
 """Where the chest lies from waist to neck, and the hip from crotch to waist, as shares."""
 LIMBS = {

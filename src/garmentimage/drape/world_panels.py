@@ -31,8 +31,7 @@ OVER_MIDDLE = 0.15
 FACING = 0.5
 """Least upward part of the unit direction in which the middle of an edge that faces up faces out of
 its panel; the same downward."""
-SHARES = np.linspace(0, 1, 9)
-"""Where along an edge its points are taken."""
+SHARES = np.linspace(0, 1, 9)  # where along an edge its points are taken
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,7 @@ from garmentimage.errors import OutputError, RenderError
 from garmentimage.render.style import FAINT
 from garmentimage.system import shown_path, write_atomically
 
-GAP = 6
-"""Space round each picture of a sheet [pixel]."""
+GAP = 6  # space round each picture of a sheet [pixel]
 LETTERING, LABEL_HEIGHT = 13, 18
 """Height of the labels' letters, and of the line that they stand in [pixel]."""
 

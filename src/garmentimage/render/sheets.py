@@ -10,8 +10,7 @@ from garmentimage.render.showing import SUFFIXES, picture_bytes
 from garmentimage.render.style import INK, PAPER, printable, write
 from garmentimage.system import shown_path, write_atomically
 
-CELL_IN = (4.6, 2.9)
-"""Width and height of one drawing [inch]."""
+CELL_IN = (4.6, 2.9)  # width and height of one drawing [inch]
 HEAD_IN, SIDE_IN = 0.4, 0.4
 SHEET_DPI = 80
 

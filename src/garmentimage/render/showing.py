@@ -34,10 +34,8 @@ Source = Pattern | GarmentImage | UInt8[np.ndarray, "row col 3"]
 """What is drawn; an array is a picture, row 0 at the top."""
 
 SUFFIXES = (".png", ".svg")
-HEIGHT_IN = 4.4
-"""Most height of a drawing [inch]."""
-WIDTH_LIMITS_IN = (2.4, 5.2)
-"""Narrowest and widest drawing [inch]."""
+HEIGHT_IN = 4.4  # most height of a drawing [inch]
+WIDTH_LIMITS_IN = (2.4, 5.2)  # narrowest and widest drawing [inch]
 TITLE_IN, MARGIN_IN, GAP_IN = 0.42, 0.15, 0.5
 DPI = 170
 

@@ -32,8 +32,7 @@ SEAM_COLOURS = (
 )  # fmt: skip
 """Seams in turn (Okabe and Ito, Tol); the number beside a seam settles what colour cannot."""
 
-NAME_LIMIT = 28
-"""Longest name that is written out."""
+NAME_LIMIT = 28  # longest name that is written out
 
 
 def layer_tint(layer: int) -> str:

@@ -34,8 +34,7 @@ from garmentimage.drape.files.vertex_attributes import (
 from garmentimage.errors import OutputError, check_type, quoted
 from garmentimage.system import write_atomically
 
-DRAPE_FORMATS = (".glb", ".obj", ".ply")
-"""Endings of files that a draped garment can be written to."""
+DRAPE_FORMATS = (".glb", ".obj", ".ply")  # endings of files that a draped garment can be written to
 
 
 def save_drape(path: str | os.PathLike[str], garment: DrapedGarment, *, body: bool = True) -> None:

@@ -31,19 +31,13 @@ from garmentimage.pattern import Side
 from garmentimage.pattern.files import pattern_to_spec, read_spec
 from garmentimage.system import errors_about, read_limited, safe_name
 
-SCHEMA = 1
-"""Version of what `extras.garmentimage` holds."""
+SCHEMA = 1  # version of what `extras.garmentimage` holds
 OURS = "garmentimage"
-BODY = "body"
-"""Name of the body's mesh; no panel's mesh has it."""
-METRE = 100.0
-"""[cm]"""
-UV_CM = 100.0
-"""Cloth that one unit of UV stands for [cm]."""
-MAX_FILE_BYTES = 200_000_000
-"""Bytes of a file."""
-MAX_OFFSET = 100.0
-"""Nothing in a file lies farther off [m]."""
+BODY = "body"  # name of the body's mesh; no panel's mesh has it
+METRE = 100.0  # [cm]
+UV_CM = 100.0  # cloth that one unit of UV stands for [cm]
+MAX_FILE_BYTES = 200_000_000  # bytes of a file
+MAX_OFFSET = 100.0  # nothing in a file lies farther off [m]
 STRAIN_TOL = 0.01
 """What the cloth is stretched by and what its report says may differ by so much."""
 CLOTH_COLOUR = (0.42, 0.52, 0.66, 1.0)

@@ -8,6 +8,7 @@ from .meshing import (
     mesh as mesh,
 )
 from .normals import (
+    sums_by as sums_by,
     vertex_normals as vertex_normals,
 )
 from .rest import (

@@ -8,8 +8,7 @@ Words of this file: see `triangulate`.
 import numpy as np
 from numba import njit
 
-ROUNDS = 4
-"""Rounds of smoothing."""
+ROUNDS = 4  # rounds of smoothing
 FLIP_TOL = 1e-9
 """A flip must improve sin(a + b) by this, or rounding could flip back and forth endlessly."""
 KEEP_SHARE = 0.2
@@ -25,8 +24,7 @@ MIDDLE_CLEARANCE = 0.4
 """Least distance of the middle row from the boundary, in widths of the cloth there."""
 THREAD = 0.15
 """Where cloth is narrower than this, it is left one row of triangles wide."""
-FAR = 1e30
-"""Larger than any distance or area."""
+FAR = 1e30  # larger than any distance or area
 
 
 @njit(cache=True)

@@ -20,8 +20,7 @@ from garmentimage.errors import DrapeError, quoted
 from garmentimage.geometry import Curve, component_labels, polyline_length
 from garmentimage.pattern import Panel, Pattern, Side
 
-DEFAULT_VERTICES = 2000
-"""Vertices of a garment by default."""
+DEFAULT_VERTICES = 2000  # vertices of a garment by default
 MIN_VERTICES, MAX_VERTICES = 50, 100_000
 """Bounds of the number of vertices that a caller may choose."""
 MAX_PANELS, MAX_EDGES, MAX_CLOTH = 500, 5_000, 40.0
@@ -39,10 +38,8 @@ MAX_ATTEMPTS = 5
 """Attempts to meet the number of vertices, and to free a panel of faults."""
 CELL = sqrt(3) / 2
 """Area of cloth that a vertex of a hexagonal lattice stands for, in squared edge lengths."""
-LENGTH_LOSS = 0.01
-"""Share of a curve's length that its parts may lose."""
-FINER = 4
-"""Times that a curve is cut finer at most to keep its length."""
+LENGTH_LOSS = 0.01  # share of a curve's length that its parts may lose
+FINER = 4  # times that a curve is cut finer at most to keep its length
 NARROW_SHARE = 0.25
 """Edge length in narrow cloth, in its widths: two rows of equilateral triangles."""
 MIN_NARROW_SHARE = 0.5

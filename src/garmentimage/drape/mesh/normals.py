@@ -18,9 +18,13 @@ def vertex_normals(
     # The cross product of two sides is the normal times twice the area, so that a plain sum weighs.
     a, b, c = (points[faces[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
-    total = np.zeros_like(points)
-    for axis in range(3):
-        weights = np.repeat(across[:, axis], 3)
-        total[:, axis] = np.bincount(faces.ravel(), weights, minlength=len(points))
+    total = sums_by(faces.ravel(), np.repeat(across, 3, axis=0), len(points))
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return np.where(length > 0, total / np.where(length > 0, length, 1.0), default)
+
+
+def sums_by(
+    index: Int[np.ndarray, " item"], vectors: Float[np.ndarray, "item 3"], count: int
+) -> Float[np.ndarray, "group 3"]:
+    """Sums of the vectors that share an index, for `count` indices."""
+    return np.stack([np.bincount(index, v, minlength=count) for v in vectors.T], axis=1)

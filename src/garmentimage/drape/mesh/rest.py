@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from garmentimage.body import mesh_edges
 from garmentimage.drape.cloth import Cloth
 
 STRAINED = 0.01
@@ -63,11 +64,13 @@ def rest_of(cloth: Cloth) -> Rest:
     doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     inverse = np.stack([v[:, 1], -v[:, 0], -u[:, 1], u[:, 0]], axis=1) / doubled[:, None]
     face_area = np.abs(doubled) / 2
-    edges, edge, length = _edges(faces, flat, cloth.vertex_count)
+    edges, edge, _ = mesh_edges(faces)
+    # In the order of `edge`: first sides of all triangles, then the second and the third.
+    along = (flat[:, (1, 2, 0)] - flat).transpose(1, 0, 2).reshape(-1, 2)
     return Rest(
         faces=faces,
         edges=edges,
-        length=length,
+        length=_rest_length(edge, np.hypot(*along.T)),
         area=np.bincount(edge, np.tile(face_area, 3)),
         vertex_area=np.bincount(
             faces.ravel(), np.repeat(face_area / 3, 3), minlength=cloth.vertex_count
@@ -106,25 +109,12 @@ def peak_strain(rest: Rest, points: Float[np.ndarray, "vertex 3"]) -> float:
     return float(stretch[order[np.searchsorted(more, STRAINED * more[-1])]])
 
 
-def _edges(
-    faces: Int[np.ndarray, "face 3"], flat: Float[np.ndarray, "face 3 2"], vertex_count: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The edges, the edge of each triangle's side (first sides first), and rest lengths [cm]."""
-    start, end = faces.T.ravel(), faces[:, (1, 2, 0)].T.ravel()
-    along = (flat[:, (1, 2, 0)] - flat).transpose(1, 0, 2).reshape(-1, 2)
-    key, edge = np.unique(
-        np.minimum(start, end) * vertex_count + np.maximum(start, end), return_inverse=True
-    )
-    edges = np.stack([key // vertex_count, key % vertex_count], axis=1)
-    return edges, edge, _rest_length(edge, np.hypot(*along.T), len(key))
-
-
 def _rest_length(
-    edge: Int[np.ndarray, " side"], length: Float[np.ndarray, " side"], count: int
+    edge: Int[np.ndarray, " side"], length: Float[np.ndarray, " side"]
 ) -> Float[np.ndarray, " edge"]:
     """Mean length of each edge's sides; the least where they are gathered [cm]."""
     mean = np.bincount(edge, length) / np.bincount(edge)
-    least, most = np.full(count, np.inf), np.zeros(count)
+    least, most = np.full(len(mean), np.inf), np.zeros(len(mean))
     np.minimum.at(least, edge, length)
     np.maximum.at(most, edge, length)
     return np.where(most > GATHERED * least, least, mean)

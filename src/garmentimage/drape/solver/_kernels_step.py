@@ -14,10 +14,8 @@ from numba import njit
 
 from garmentimage.drape.solver._kernels_field import sample_field
 
-FRAME = 1.0 / 60.0
-"""[s]"""
-LOOK_AHEAD = 0.1
-"""Forces are taken at the places this share of a step later."""
+FRAME = 1.0 / 60.0  # [s]
+LOOK_AHEAD = 0.1  # forces are taken at the places this share of a step later
 BEND_LOOK_AHEAD = 1.0
 """Bending forces are taken at the places this share of their time of use later. At a half they
 would neither damp nor drive; forces kept for several steps can then drive the springs (as impulses
@@ -32,15 +30,13 @@ LIFT_EVERY = 2
 SKIN_COVER = 0.15
 """The middles of triangles and of their sides are kept this far outside the skin [cm]; for that,
 their corners are kept farther off than the cloth is thick."""
-TAUT = 0.15
-"""Cloth that is stretched by this share is not raised."""
+TAUT = 0.15  # cloth that is stretched by this share is not raised
 LOWERED = 0.9
 """Lifts shrink to this share each time where the skin is covered by twice `SKIN_COVER`."""
 MIN_FACING = 0.5
 """A corner is raised for a place between corners only where both face the body alike, by the cosine
 of the angle between their directions: on the two sides of a crotch they do not."""
-MIN_LENGTH = 1e-9
-"""Keeps the direction of a spring of no length finite [cm]."""
+MIN_LENGTH = 1e-9  # keeps the direction of a spring of no length finite [cm]
 
 
 class SolverState(NamedTuple):

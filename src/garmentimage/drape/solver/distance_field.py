@@ -11,16 +11,14 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 
 from garmentimage.body import Body
+from garmentimage.drape.mesh import sums_by
 from garmentimage.drape.solver._kernels_field import count_crossings, sample_all, stamp, sweep
 
-CELL = 1.0
-"""Side of a grid cell [cm]."""
+CELL = 1.0  # side of a grid cell [cm]
 PAD = 5.0
 """The grid goes this far beyond the body [cm]; nothing farther off can touch it."""
-BAND = 2.0
-"""Distances are exact up to this far from a body's skin [cm]."""
-BESIDE = np.array([1.2e-5, 2.3e-5, 0.0])
-"""How far beside a node its line of crossings runs [cell]."""
+BAND = 2.0  # distances are exact up to this far from a body's skin [cm]
+BESIDE = np.array([1.2e-5, 2.3e-5, 0.0])  # how far beside a node its line of crossings runs [cell]
 CLOTH_BAND = 2.2
 """What lies up to this far behind settled cloth counts as inside [cm]."""
 
@@ -143,7 +141,7 @@ def _pseudonormals(
     key = np.minimum(faces, following).astype(np.int64) * len(points) + np.maximum(faces, following)
     _, edge, count = np.unique(key.ravel(), return_inverse=True, return_counts=True)
     whole = count == 2
-    edge_normal = _sums(edge, np.repeat(normal, 3, axis=0), len(count)) * whole[:, None]
+    edge_normal = sums_by(edge, np.repeat(normal, 3, axis=0), len(count)) * whole[:, None]
 
     ahead = np.roll(corners, -1, axis=1) - corners
     behind = np.roll(corners, 1, axis=1) - corners
@@ -151,14 +149,7 @@ def _pseudonormals(
         np.linalg.norm(np.cross(ahead, behind), axis=2), (ahead * behind).sum(axis=2)
     )
     weighted = (angle[:, :, None] * normal[:, None]).reshape(-1, 3)
-    vertex_normal = _sums(faces.ravel(), weighted, len(points))
+    vertex_normal = sums_by(faces.ravel(), weighted, len(points))
     rim = ~whole[edge].reshape(faces.shape)
     vertex_normal[np.concatenate([faces[rim], following[rim]])] = 0.0
     return normal, edge_normal[edge].reshape(*faces.shape, 3), vertex_normal
-
-
-def _sums(
-    index: Int[np.ndarray, " item"], vectors: Float[np.ndarray, "item 3"], count: int
-) -> Float[np.ndarray, "group 3"]:
-    """Sums of the vectors that share an index."""
-    return np.stack([np.bincount(index, v, minlength=count) for v in vectors.T], axis=1)

@@ -33,8 +33,7 @@ from garmentimage.drape.solver._kernels_step import (
 )
 from garmentimage.drape.solver.distance_field import DistanceField
 
-GRAVITY = 981.0
-"""[cm/s2]"""
+GRAVITY = 981.0  # [cm/s2]
 STABLE = 0.96 * 2.0 / (1.0 + 2.0 * LOOK_AHEAD)
 """Greatest value of (step^2 x sum of spring stiffness / mass) of a vertex: stable is less than
 2 / (1 + 2 LOOK_AHEAD), whatever the shape of the cloth; see `_model`."""
@@ -48,8 +47,7 @@ edges' length: a chord of a circle misses it by so much where it is 44 degrees l
 BEND_STABLE = 0.3
 """Greatest value of (time between refreshes^2 x bending stiffness / mass) of a vertex. Bending by
 itself is stable below 2; beside stiff springs, drapes began to jitter between 0.5 and 1."""
-WATCHED_FRAMES = 5
-"""Frames between two calls of `watch`."""
+WATCHED_FRAMES = 5  # frames between two calls of `watch`
 
 Watch = Callable[[int, int], None]
 """Called with the number of frames done and the greatest number of frames."""

@@ -9,10 +9,8 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.start.sides import Landmarks
 from garmentimage.pattern import FRONTAL
 
-MAX_COLLAR_HEIGHT = 12.0
-"""Height of a collar, at most [cm]; what is higher is a hood."""
-MIN_RADIUS = 9.0
-"""Least radius of the ring [cm]."""
+MAX_COLLAR_HEIGHT = 12.0  # height of a collar, at most [cm]; what is higher is a hood
+MIN_RADIUS = 9.0  # least radius of the ring [cm]
 
 
 def lay_collar(cloth: Cloth, corners: np.ndarray, landmarks: Landmarks) -> None:

@@ -13,8 +13,7 @@ from garmentimage.pattern import FRONTAL, Side
 
 MAX_SHIFT = 40.0
 """A trouser leg that would have to go farther than this [cm] stands elsewhere on purpose."""
-FOOT_ROOM = 2.0
-"""Hems begin at least so far over the ankle joints [cm]."""
+FOOT_ROOM = 2.0  # hems begin at least so far over the ankle joints [cm]
 FACING_IN = 0.5
 """Least part towards the middle of the unit direction in which an inseam faces out of its panel."""
 

@@ -62,8 +62,7 @@ ON_HIPS = 0.45
 DRAWN_TOGETHER, TIGHT = 0.45, 3.0
 """An elastic draws cloth together to this share of its length at least. At rest, belts and elastics
 are shorter than the body is round by `TIGHT` [cm]."""
-ELASTIC = "waist"
-"""Label of an edge that is drawn together at the waist."""
+ELASTIC = "waist"  # label of an edge that is drawn together at the waist
 TIGHT_WITHIN = 14.0
 """What holds a strapless garment lies within this below its top edge [cm]."""
 CROTCH_ROOM = 1.0
@@ -74,8 +73,7 @@ OFF_SHOULDER = 1.3
 """Seams are compared with the shoulders out to this many times the shoulder point's distance."""
 LEVEL_STEP = 1.0
 """Distance between the levels at which the body is measured below the waist [cm]."""
-STATURES = (90.0, 230.0)
-"""Statures that a pattern may be made for [cm]."""
+STATURES = (90.0, 230.0)  # statures that a pattern may be made for [cm]
 DEPTH_GAP = 5.0
 """Panels that lie less far apart in depth [cm] do not distinguish front from back."""
 DEPTH_ROOM = 3.0

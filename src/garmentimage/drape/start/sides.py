@@ -11,8 +11,7 @@ from garmentimage.pattern import Side
 CHEST = 0.7
 """Where the chest is on the way from the waist to the shoulder joints."""
 
-Landmarks = Mapping[str, Vector3]
-"""Landmarks of a body [cm]."""
+Landmarks = Mapping[str, Vector3]  # of a body [cm]
 
 
 def chest(landmarks: Landmarks) -> float:

@@ -23,10 +23,8 @@ HALF_ROUND = np.deg2rad(95.0)
 """Half of a circle skirt has a seam that reaches to this angle from straight down, or further."""
 FLARED = np.deg2rad(40.0)
 """The same for a free top edge: nothing over it keeps a flared one level."""
-STRAIGHT_DOWN = np.deg2rad(30.0)
-"""That seam begins within this angle from straight down."""
-OUT_OF_ROUND = 0.15
-"""Share of its radius by which that seam may leave a circle."""
+STRAIGHT_DOWN = np.deg2rad(30.0)  # that seam begins within this angle from straight down
+OUT_OF_ROUND = 0.15  # share of its radius by which that seam may leave a circle
 SEAM_DEPTH = 8.0
 """A panel over a seam ends no deeper than this below the lowest point of the seam [cm]."""
 

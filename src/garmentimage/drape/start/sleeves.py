@@ -14,8 +14,7 @@ SLEEVE_INNER = 0.2
 """Sleeves lie outside of this share of the shoulder joint's distance from the middle."""
 UNDER_TOP = 8.0
 """The arm goes through a wide sleeve this far under its top [cm]."""
-MIN_TURNED_LENGTH = 5.0
-"""A sleeve shorter than this is moved, but not turned [cm]."""
+MIN_TURNED_LENGTH = 5.0  # a sleeve shorter than this is moved, but not turned [cm]
 
 
 def lay_sleeve(cloth: Cloth, corners: np.ndarray, landmarks: Landmarks, side: int) -> None:

@@ -5,8 +5,7 @@ from jaxtyping import Float, Int
 
 from garmentimage.drape.verdict._kernels import count_crossed
 
-MAX_BINS = 128
-"""Bins along the longest extent of the cloth."""
+MAX_BINS = 128  # bins along the longest extent of the cloth
 
 
 def crossing_count(points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]) -> int:

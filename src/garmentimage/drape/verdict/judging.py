@@ -17,8 +17,7 @@ from garmentimage.drape.verdict.intersections import crossing_count
 from garmentimage.drape.verdict.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.verdict.skin import deepest
 
-MAX_PENETRATION = 0.5
-"""Cloth may lie this far under the skin [cm]."""
+MAX_PENETRATION = 0.5  # cloth may lie this far under the skin [cm]
 MAX_STRAIN = 0.25
 """All but a hundredth of the cloth, by area, may stretch by this share."""
 MAX_SLID = 3.0

@@ -28,8 +28,7 @@ BONES: Mapping[str, tuple[str, ...]] = {
 """Landmarks along each bone, from the chest outward. `face` is halfway from the neck to the crown;
 there the bone turns to the front, since a hood closes over the crown."""
 
-BEYOND = 500.0
-"""How far a bone extends beyond its last landmark [cm]."""
+BEYOND = 500.0  # how far a bone extends beyond its last landmark [cm]
 
 BESIDE = np.array([0.0137, 0.0071, 0.0113])
 """Bones lie this far beside their landmarks [cm]: a symmetric garment has vertices in the middle

@@ -8,8 +8,7 @@ from garmentimage.drape.solver import body_field
 
 PARTS = 3
 """Triangles are checked at the corners of a grid with so many parts a side."""
-HAND = 25.0
-"""A hand ends no farther than this from the wrist [cm]."""
+HAND = 25.0  # a hand ends no farther than this from the wrist [cm]
 
 
 def deepest(

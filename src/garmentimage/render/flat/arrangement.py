@@ -16,12 +16,9 @@ from garmentimage.pattern.files import lay_out
 
 Arrangement = Literal["worn", "table"]
 
-MARGIN_CM = 7.0
-"""Least space between two panels."""
-GROUP_GAP_CM = 24.0
-"""Space between the front and the back."""
-PICTURE_RATIO = 1.15
-"""Width over height that front and back should have together."""
+MARGIN_CM = 7.0  # least space between two panels
+GROUP_GAP_CM = 24.0  # space between the front and the back
+PICTURE_RATIO = 1.15  # width over height that front and back should have together
 WORN_LIMIT = 80
 """With more panels than this, they lie on the table: pushing apart takes quadratic time."""
 MAX_ROUNDS = 400

@@ -20,8 +20,7 @@ from garmentimage.render.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LAYER_GAP = 0.09
-"""Space between two layers, in grids."""
+LAYER_GAP = 0.09  # space between two layers, in grids
 TITLE_SHARE, LEGEND_SHARE, CAPTION_SHARE, EDGE_SHARE = 0.09, 0.19, 0.08, 0.02
 """Room above, for the legend below, for a caption below, and below without either, in grids."""
 TYPES_HEIGHT = 1 + TITLE_SHARE + LEGEND_SHARE

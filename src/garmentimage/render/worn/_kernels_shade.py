@@ -14,13 +14,11 @@ from numba import njit
 
 INSIDE = 0.62
 """Light that the inside of cloth sends back, as a share of its outside's."""
-INK_SHADE = 0.62
-"""Share of the light that a fully inked line takes away."""
+INK_SHADE = 0.62  # share of the light that a fully inked line takes away
 AO_BIAS = 0.12
 """Sine of the angle above a surface below which a neighbour does not darken it: the surface's own
 facets would."""
-AO_GAIN = 1.9
-"""Darkening by occlusion over the mean of the probes' sines."""
+AO_GAIN = 1.9  # darkening by occlusion over the mean of the probes' sines
 SHADOW_BIAS = 1.2
 """What is less than this nearer to the light casts no shadow [cm]: thickness of skin and cloth in
 the coarse picture from the light."""
@@ -275,7 +273,7 @@ def shade(number, pixels, visible, shape, dye, ink, lighting, light):
     lamps, open_share, lit_share = lighting
     key, fill, up = lamps.key_direction, lamps.fill_direction, lamps.up
     rim, soft = lamps.rim, lamps.softness
-    step = len(owner) // len(light)  # Samples of a pixel along each axis.
+    step = len(owner) // len(light)  # samples of a pixel along each axis
     part = 1 / (step * step)
     for p in range(len(pixels)):
         row, col = pixels[p, 0], pixels[p, 1]

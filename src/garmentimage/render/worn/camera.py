@@ -24,8 +24,7 @@ FILM_HEIGHT_MM = 24.0
 """Height of a 35 mm frame, by which photographers name focal lengths."""
 MIN_DISTANCE = 5.0
 """Nothing may be nearer to a perspective camera than this [cm]."""
-MARGIN = 1.06
-"""Size of a fitted picture over the size of what it shows."""
+MARGIN = 1.06  # size of a fitted picture over the size of what it shows
 
 
 @dataclass(frozen=True)

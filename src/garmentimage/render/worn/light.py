@@ -81,8 +81,7 @@ class Light:
         )
 
 
-STUDIO = Light()
-"""Soft light from the upper left."""
+STUDIO = Light()  # soft light from the upper left
 FLAT = Light(0.0, 0.5, 0.5, "white", 0.1, 0.62, "white", "white", 0.0, 0.5, 0.0, 0.0)
 """Even light without shadows, for pictures that a network learns from."""
 

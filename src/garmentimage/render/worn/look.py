@@ -21,8 +21,7 @@ SKIN_TONES = (
     "#3d241a", "#5a3825", "#7d5138", "#a06d4b", "#c08d68", "#d8ab87", "#e8c4a6", "#f3d8c4"
 )  # fmt: skip
 """From dark to light; a random tone lies between two neighbours."""
-PLAIN_SHARE = 0.45
-"""How often a garment has no print."""
+PLAIN_SHARE = 0.45  # how often a garment has no print
 STRIPE_PERIODS, CHECK_PERIODS, DOT_PERIODS = (1.5, 9.0), (2.0, 12.0), (1.8, 7.0)
 """Least and greatest period of random prints [cm]."""
 

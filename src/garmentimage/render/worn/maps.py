@@ -17,14 +17,11 @@ from garmentimage.errors import RenderError, quoted
 from garmentimage.render.style import SEAM_COLOURS
 from garmentimage.render.worn.photographing import Views
 
-DEPTH_STEP = 0.01
-"""Depth that one level of a depth picture stands for [cm]."""
-MAX_LEVEL = 65_535
-"""Depths beyond this level read as this level."""
+DEPTH_STEP = 0.01  # depth that one level of a depth picture stands for [cm]
+MAX_LEVEL = 65_535  # depths beyond this level read as this level
 NOTHING, BODY = "#ffffff", "#b8b8b8"
 """Colours in which the panel picture shows everything but panels."""
-MAX_PANELS = 254
-"""A palette has 256 entries, two of which are not panels."""
+MAX_PANELS = 254  # a palette has 256 entries, two of which are not panels
 
 
 def map_bytes(views: Views, name: str) -> bytes:

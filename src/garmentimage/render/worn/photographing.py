@@ -32,10 +32,8 @@ from garmentimage.render.worn.surface import Surface
 from garmentimage.render.worn.tint import encoded
 from garmentimage.render.worn.zbuffer import seen_by
 
-SIZE_LIMITS = (16, 2048)
-"""Smallest and largest picture [pixel]."""
-MAX_SURFACES = 250
-"""Most surfaces of one picture."""
+SIZE_LIMITS = (16, 2048)  # smallest and largest picture [pixel]
+MAX_SURFACES = 250  # most surfaces of one picture
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,26 +26,20 @@ from garmentimage.render.worn.prints import light_tile
 from garmentimage.render.worn.surface import Surface
 from garmentimage.render.worn.zbuffer import MAX_CACHED, Visible, seen_by
 
-NO_SURFACE = -1
-"""Panel id of pixels in which nothing is seen."""
-SUPERSAMPLES = 2
-"""Samples of a pixel along each axis."""
+NO_SURFACE = -1  # panel id of pixels in which nothing is seen
+SUPERSAMPLES = 2  # samples of a pixel along each axis
 SEAM_BREADTH, MIN_SEAM_BREADTH = 0.5, 0.7
 """Breadth of a drawn seam [cm], and the least it has [pixel]."""
 LINE_REACH = 0.8
 """A drawn seam shows through surfaces less than this nearer [cm]."""
-HEM_INK = 0.55
-"""Ink of a free edge, as a share of a seam's."""
+HEM_INK = 0.55  # ink of a free edge, as a share of a seam's
 AO_RADIUS = 9.0
 """What is farther away than this takes no light from a point's surroundings [cm]."""
 AO_PROBES, SMALL_AO_PROBES, SMALL = (3, 8), (2, 6), 128
 """Rings and spokes of the probes, and those in pictures smaller than the last number [pixel]."""
-SHADOW_SOFTNESS = 2.2
-"""The edge of a cast shadow is softened over this radius [cm]."""
-SHADOW_PROBES = (2, 6)
-"""Rings and spokes of the probes that soften it."""
-SHADOW_SIZES = (128, 512)
-"""Smallest and largest picture taken from the light [pixel]."""
+SHADOW_SOFTNESS = 2.2  # the edge of a cast shadow is softened over this radius [cm]
+SHADOW_PROBES = (2, 6)  # rings and spokes of the probes that soften it
+SHADOW_SIZES = (128, 512)  # smallest and largest picture taken from the light [pixel]
 SHADOW_WIDENED = 1.25
 """Its extent over that of the picture: what lies beyond casts no shadow."""
 

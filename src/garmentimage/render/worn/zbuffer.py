@@ -16,12 +16,9 @@ from garmentimage.render.worn._kernels_zbuffer import Screen, draw_faces
 from garmentimage.render.worn.camera import Camera
 from garmentimage.render.worn.surface import Surface
 
-SUBSAMPLE = 256
-"""Positions a sample is divided into along each axis."""
-NOTHING = 0
-"""Owner of samples at which nothing is seen."""
-MAX_CACHED = 6
-"""Views of still surfaces that are kept."""
+SUBSAMPLE = 256  # positions a sample is divided into along each axis
+NOTHING = 0  # owner of samples at which nothing is seen
+MAX_CACHED = 6  # views of still surfaces that are kept
 
 
 class Visible(NamedTuple):

@@ -1,4 +1,4 @@
-"""A garment is put where the body wears it, told by what it is and not by where its file has it."""
+"""A garment is put where the body wears it, by its shape and not by its place in the file."""
 
 import numpy as np
 import pytest
@@ -95,10 +95,10 @@ def test_a_garment_beside_its_wearer_without_a_plane_of_symmetry_is_refused():
 
 
 @pytest.mark.parametrize("kind", kinds())
-def test_names_are_not_needed_to_tell_what_holds_a_draft(kind):
+def test_what_holds_a_draft_is_recognised_without_names(kind):
     body, pattern = load_body(), draft_pattern(kind)
-    (named,), (told,) = (place_on_body(p, body)[1] for p in (pattern, unnamed(pattern)))
-    assert told.site is named.site and told.is_certain
+    (named,), (without_names,) = (place_on_body(p, body)[1] for p in (pattern, unnamed(pattern)))
+    assert without_names.site is named.site and without_names.is_certain
 
 
 def test_every_garment_of_a_file_is_put_where_it_belongs_by_itself():
@@ -203,7 +203,7 @@ def test_a_strapless_dress_is_held_over_the_bust_where_it_is_tight(name, up):
     assert not place_on_body(wide, body)[1][0].is_supported
 
 
-def test_a_doubtful_garment_says_so():
+def test_an_uncertain_placement_is_reported_as_uncertain():
     body = load_body()
     _, (report,) = place_on_body(tube(95.0), body)
     assert not report.is_certain and "file" in report.reason
@@ -228,7 +228,7 @@ def test_nothing_is_bent_and_nothing_moves_sideways():
         assert np.allclose(step, [0, report.shift_up, report.shift_forward])
 
 
-def test_lengths_are_scaled_only_when_asked():
+def test_lengths_are_scaled_only_for_a_given_stature():
     body, pattern = load_body(), draft_pattern("tee")
     placed, (report,) = place_on_body(pattern, body, made_for=np.ptp(body.vertices[:, 1]) * 1.25)
     assert report.scale == pytest.approx(0.8)

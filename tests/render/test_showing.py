@@ -75,7 +75,7 @@ def test_another_ending_is_refused(name, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_pyplot_stays_out():
+def test_pyplot_is_not_imported():
     code = (
         "import sys; from garmentimage import load_pattern; "
         "from garmentimage.render.showing import compose; "

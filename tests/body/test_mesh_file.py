@@ -1,4 +1,4 @@
-"""Bodies of one's own: any unit, any side up; what is no body is refused in one sentence."""
+"""Bodies of one's own: any unit, any side up; what is not a body is refused in one sentence."""
 
 import numpy as np
 import pytest
@@ -219,7 +219,7 @@ def bad_bodies():
 
 
 @pytest.mark.parametrize("case", list(bad_bodies()), ids=lambda case: case[0])
-def test_what_is_no_body_is_refused_in_one_sentence(case, write):
+def test_what_is_not_a_body_is_refused_in_one_sentence(case, write):
     _, points, faces, message = case
     with pytest.raises(DraftError, match=message) as caught:
         load_body_file(write(points, faces))
@@ -244,7 +244,7 @@ def test_bodies_as_others_save_them_are_taken(name, tmp_path):
 
 @pytest.mark.parametrize("ending", ["obj", "ply", "stl", "glb", "txt"])
 @pytest.mark.parametrize("content", [b"", b"hello there\n", b"\x00\xff\x80cos\nsystem\n" * 9])
-def test_what_is_no_mesh_is_refused(ending, content, tmp_path):
+def test_what_is_not_a_mesh_is_refused(ending, content, tmp_path):
     path = tmp_path / f"mine.{ending}"
     path.write_bytes(content)
     with pytest.raises(DraftError, match="mine"):

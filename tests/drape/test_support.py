@@ -1,4 +1,4 @@
-"""What is held up is what would hold, and what slides is told with its reason."""
+"""A garment is held up only where an edge can hold it; what slides is reported with the reason."""
 
 from dataclasses import fields, replace
 from functools import cache
@@ -48,7 +48,7 @@ def top_edge(found) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["mean-female", "tall-slim-male", "short-round-female"])
 @pytest.mark.parametrize("length", [70.0, 85.0, 100.0, 130.0, 180.0])
-def test_a_skirt_lies_on_the_body_where_it_fits_or_is_said_to_have_slid(length, name):
+def test_a_skirt_lies_on_the_body_where_it_fits_or_is_reported_to_have_slid(length, name):
     found = worn(tube, length, body=name)
     body, top = found.body, top_edge(found)
     below = waist_height(body) - top[:, 1].mean()
@@ -235,12 +235,12 @@ def test_a_belt_pulls_no_harder_than_it_can():
     assert sunk[0] < 0.5 and sunk[1] > 5.0
 
 
-def test_doubts_are_told_on_the_command_line(tmp_path, capsys):
+def test_doubts_are_notes_on_the_command_line(tmp_path, capsys):
     save_pattern(tube(95.0), tmp_path / "tube.json")
     out = tmp_path / "tube.glb"
     main(["drape", str(tmp_path / "tube.json"), "-o", str(out), "--vertices", "600", "--keep-bad"])
-    told = capsys.readouterr().err
-    assert "note: " in told and "name the panels at its top" in told
+    errors = capsys.readouterr().err
+    assert "note: " in errors and "name the panels at its top" in errors
 
 
 # --- Files by others -----------------------------------------------------------------------------
@@ -261,7 +261,7 @@ def test_circle_skirts_by_others_without_a_band_are_level_on_the_waist(tmp_path)
 
 
 @pytest.mark.corpus
-def test_strapless_clothes_by_others_are_held_at_the_chest_or_said_to_have_slid(tmp_path):
+def test_strapless_clothes_by_others_are_held_at_the_chest_or_reported_to_have_slid(tmp_path):
     for path in faults(tmp_path, "public-strapless"):
         found = drape_pattern(read_pattern(path)[0])
         assert set(found.report.slid) <= {"chest", "shoulders"}, path.stem
