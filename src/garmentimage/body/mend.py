@@ -76,8 +76,10 @@ def united(surfaces: list[OpenSurface]) -> tuple[Points3, Faces]:
     points, faces, first = [], [], 0
     for surface in surfaces:
         own_points, own = capped(surface)
+        a, b, c = np.moveaxis(own_points[own] - own_points[0], 1, 0)
+        volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
         points.append(own_points)
-        faces.append((own if _volume(own_points, own) > 0 else own[:, ::-1]) + first)
+        faces.append((own if volume > 0 else own[:, ::-1]) + first)
         first += len(own_points)
     return np.concatenate(points), np.concatenate(faces)
 
@@ -96,11 +98,6 @@ def capped(surface: OpenSurface) -> tuple[Points3, Faces]:
 def size(points: Points3) -> float:
     """Diagonal of the box round the points."""
     return float(np.linalg.norm(np.ptp(points, axis=0)))
-
-
-def _volume(points: Points3, faces: Faces) -> float:
-    a, b, c = np.moveaxis(points[faces] - points[0], 1, 0)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
 
 
 def _without_twins(faces: Faces) -> Faces:

@@ -45,7 +45,7 @@ def load_body_file(path: str | os.PathLike[str]) -> Body:
 
     The body must stand in the T pose or the A pose, legs apart. It is scaled to cm, turned to y up
     and to face +z by its feet, and put on the floor. Small holes are closed, and loose parts (eyes,
-    lashes) left out with a warning. Landmarks come from the proportions of adults; see `marks`.
+    lashes) left out with a warning. Landmarks come from the proportions of adults; see `landmarks`.
 
     Raises:
         DraftError: the file cannot be read, or is not such a body.

@@ -66,7 +66,7 @@ def drape_pattern(
 
     Raises:
         DrapeError: a pattern that nothing would hold on a body, as its panels are not sewn or all
-            lie in one plane, that has no place or is in other units (`placement_findings`), or
+            lie in one plane, that has no place or is in other units, or
             that cannot be cut into triangles.
         DraftError: there is no body of that name, or `made_for` is out of range.
         TypeError: an argument is of another type.

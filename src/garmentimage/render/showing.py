@@ -108,8 +108,7 @@ def _title(source: Source) -> str:
         return source.name or "pattern"
     if isinstance(source, np.ndarray):
         return ""
-    size = f"{source.grid} x {source.grid}"
-    return f"{source.name}, {size}" if source.name else f"GarmentImage, {size}"
+    return f"{source.name or 'GarmentImage'}, {source.grid} x {source.grid}"
 
 
 def _ratio(source: Source) -> float:

@@ -69,10 +69,10 @@ def drape_bytes(garment: DrapedGarment, ending: str, *, body: bool = True) -> by
 
 def obj_text(garment: DrapedGarment, *, body: bool = True) -> str:
     """The sewn garment as OBJ: panels as groups, `vt` the flat pattern [cm], positions in cm."""
-    return "\n".join([*_obj_lines(garment), *(_obj_body(garment) if body else ()), ""])
+    return "\n".join([*_obj_lines(garment, body=body), ""])
 
 
-def _obj_lines(garment: DrapedGarment) -> Iterator[str]:
+def _obj_lines(garment: DrapedGarment, *, body: bool) -> Iterator[str]:
     cloth = garment.cloth
     yield "# Lengths are cm, y is up; vt is the flat pattern in cm. Vertices count from 1."
     yield from _rows("v", garment.points)
@@ -92,13 +92,11 @@ def _obj_lines(garment: DrapedGarment) -> Iterator[str]:
             yield "f " + " ".join(
                 f"{v}/{c + 1}/{v}" for c, v in zip(face, cloth.vertex[face] + 1, strict=True)
             )
-
-
-def _obj_body(garment: DrapedGarment) -> Iterator[str]:
-    yield from _rows("v", garment.body.vertices)
-    yield f"g {BODY}"
-    first = len(garment.points) + 1
-    yield from (f"f {a} {b} {c}" for a, b, c in (garment.body.faces + first).tolist())
+    if body:
+        yield from _rows("v", garment.body.vertices)
+        yield f"g {BODY}"
+        first = len(garment.points) + 1
+        yield from (f"f {a} {b} {c}" for a, b, c in (garment.body.faces + first).tolist())
 
 
 def _rows(word: str, rows: Float[np.ndarray, "n axis"]) -> Iterator[str]:

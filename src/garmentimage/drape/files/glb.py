@@ -182,14 +182,14 @@ def _garment(geometry: Mapping[str, Any], extras: Mapping[str, Any]) -> DrapedGa
     panels = [geometry[name] for name in extras["panels"]]
     sizes = [len(mesh.vertices) for mesh in panels]
     first = np.cumsum([0, *sizes[:-1]])
-    vertex = np.concatenate([_whole(mesh.vertex_attributes["_VERTEX"]) for mesh in panels])
+    numbers = np.concatenate([mesh.vertex_attributes["_VERTEX"].ravel() for mesh in panels])
     corners = _near(np.concatenate([mesh.vertices for mesh in panels])) * METRE
     cloth = Cloth(
         pattern=read_spec(extras["pattern"], str(extras["name"]))[0],
         flat=_near(np.concatenate([mesh.visual.uv for mesh in panels])) * UV_CM,
         faces=np.concatenate([mesh.faces + k for mesh, k in zip(panels, first, strict=True)]),
         panel=np.repeat(np.arange(len(panels)), sizes),
-        vertex=vertex,
+        vertex=np.rint(numbers).astype(np.int64),
         sides=MappingProxyType({Side(p, int(k)): np.array(n, int) for p, k, n in extras["sides"]}),
     )
     _check(cloth)
@@ -227,11 +227,6 @@ def _near(places: Any) -> Float[np.ndarray, "n k"]:
     if not (np.abs(checked) <= MAX_OFFSET).all():
         raise _Damaged(f"a vertex lies more than {MAX_OFFSET:g} m away, or is not a number")
     return checked
-
-
-def _whole(column: np.ndarray) -> Int[np.ndarray, " n"]:
-    numbers: np.ndarray = np.rint(column).astype(np.int64).reshape(-1)
-    return numbers
 
 
 def _check(cloth: Cloth) -> None:

@@ -81,15 +81,14 @@ def surface_distance(
     faces: Int[np.ndarray, "face 3"],
     *,
     cell: float = CELL,
-    pad: float = PAD,
 ) -> DistanceField:
     """The signed distance to a closed surface, which may touch itself and pass through itself.
 
-    Faces run counter-clockwise seen from outside; the grid goes `pad` [cm] beyond the surface.
+    Faces run counter-clockwise seen from outside; nodes lie `cell` [cm] apart.
     """
     # Nodes lie at odd halves of a cell, so that a mirrored surface has the mirrored field.
-    origin = (np.floor((points.min(axis=0) - pad) / cell - 0.5) + 0.5) * cell
-    size = points.max(axis=0) + pad - origin
+    origin = (np.floor((points.min(axis=0) - PAD) / cell - 0.5) + 0.5) * cell
+    size = points.max(axis=0) + PAD - origin
     shape = tuple(ceil(s / cell) + 1 for s in size)
     values = _near(shape, origin, cell, points, faces, BAND)
     far, back = np.isinf(values), np.s_[::-1, ::-1, ::-1]

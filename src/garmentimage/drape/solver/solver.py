@@ -178,7 +178,10 @@ def _model(
     pull = np.bincount(rest.edges.ravel(), np.repeat(stiffness, 2), minlength=count)
     substeps = _substeps(pull / weight, settings.max_substeps)
     step = FRAME / substeps
-    bending = bending_matrix(rest.faces, _flat(rest), count) * fabric.bend
+    # The flat triangles, each with its first corner at the origin.
+    sides = np.linalg.inv(rest.inverse).transpose(0, 2, 1)
+    flat = np.concatenate([np.zeros((len(sides), 1, 2)), sides], axis=1)
+    bending = bending_matrix(rest.faces, flat, count) * fabric.bend
     bend_pull = np.bincount(bending.indices, np.abs(bending.data), minlength=count)
     refresh = _refresh(bend_pull / weight, step)
     # Least inertia for which a step is stable: h^2 pull / m <= STABLE, and the same for bending.
@@ -197,12 +200,6 @@ def _model(
         Material(fabric.thickness, fabric.friction, fabric.damping),
     )
     return model, Schedule(settings.gather_frames, settings.min_frames, substeps, refresh)
-
-
-def _flat(rest: Rest) -> Float[np.ndarray, "face 3 2"]:
-    """The flat triangles, each with its first corner at the origin [cm]."""
-    sides = np.linalg.inv(rest.inverse).transpose(0, 2, 1)
-    return np.concatenate([np.zeros((len(sides), 1, 2)), sides], axis=1)
 
 
 def _side_lengths(rest: Rest, count: int) -> Float[np.ndarray, " vertex"]:

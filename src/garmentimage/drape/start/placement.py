@@ -204,14 +204,13 @@ def _scaled(pattern: Pattern, scale: float) -> Pattern:
     """Panels and their places, as seen from the origin."""
     if scale == 1:
         return pattern
-    return replace(pattern, panels=tuple(_scaled_panel(p, scale) for p in pattern.panels))
-
-
-def _scaled_panel(panel: Panel, scale: float) -> Panel:
-    outline, *holes = (_scaled_loop(loop, scale) for loop in panel.loops)
-    x, y, z = panel.translation
-    to = (x * scale, y * scale, z * scale)
-    return replace(panel, outline=outline, holes=tuple(holes), translation=to)
+    panels = []
+    for panel in pattern.panels:
+        outline, *holes = (_scaled_loop(loop, scale) for loop in panel.loops)
+        x, y, z = panel.translation
+        to = (x * scale, y * scale, z * scale)
+        panels.append(replace(panel, outline=outline, holes=tuple(holes), translation=to))
+    return replace(pattern, panels=tuple(panels))
 
 
 def _scaled_loop(loop: Loop, scale: float) -> Loop:

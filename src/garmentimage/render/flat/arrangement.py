@@ -1,11 +1,10 @@
-"""Where panels lie in a picture: as worn, front and back, or packed on a table.
+"""Where panels lie in a picture: as worn, front and back, or packed in rows where they are many.
 
 As worn, each panel is drawn about where it hangs on the body, the back seen through the body (as
 in a GarmentImage), and panels that would lie on one another are pushed apart.
 """
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -14,13 +13,11 @@ from garmentimage.geometry import centroid
 from garmentimage.pattern import Panel, Pattern
 from garmentimage.pattern.files import lay_out
 
-Arrangement = Literal["worn", "table"]
-
 MARGIN_CM = 7.0  # least space between two panels
 GROUP_GAP_CM = 24.0  # space between the front and the back
 PICTURE_RATIO = 1.15  # width over height that front and back should have together
 WORN_LIMIT = 80
-"""With more panels than this, they lie on the table: pushing apart takes quadratic time."""
+"""With more panels than this, they are packed in rows: pushing apart takes quadratic time."""
 MAX_ROUNDS = 400
 MIN_FACING = 0.3
 """Least share of the outward normal along z by which a panel counts as front or back."""
@@ -46,10 +43,10 @@ class DrawnPanel:
         return self.place(self.panel.outline.polygon)
 
 
-def arrange(pattern: Pattern, arrangement: Arrangement = "worn") -> tuple[DrawnPanel, ...]:
+def arrange(pattern: Pattern) -> tuple[DrawnPanel, ...]:
     """Panels in the order of the pattern, placed so that their boxes do not overlap."""
     sides = list(zip(pattern.panels, _backs(pattern), strict=True))
-    if arrangement == "table" or len(pattern.panels) > WORN_LIMIT:
+    if len(pattern.panels) > WORN_LIMIT:
         return tuple(_shelved([DrawnPanel(p, np.eye(2), np.zeros(2), back) for p, back in sides]))
     placed = [_hung(panel, back) for panel, back in sides]
     front = _pushed_apart([p for p in placed if not p.back])

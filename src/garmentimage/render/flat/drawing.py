@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from garmentimage.geometry import centroid
 from garmentimage.pattern import Pattern, Side, sewn_runs
-from garmentimage.render.flat.arrangement import Arrangement, DrawnPanel, arrange, bounds
+from garmentimage.render.flat.arrangement import DrawnPanel, arrange, bounds
 from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable, write
 
 if TYPE_CHECKING:
@@ -39,30 +39,19 @@ MAX_NUMBERS = 60
 MAX_NAMES = 40  # with more panels than this the names are left out
 
 
-def drawn_size(pattern: Pattern, *, arrangement: Arrangement = "worn") -> tuple[float, float]:
+def drawn_size(pattern: Pattern) -> tuple[float, float]:
     """Width and height that the panels take in `draw_pattern` [cm]."""
-    low, high = bounds(arrange(pattern, arrangement))
+    low, high = bounds(arrange(pattern))
     return float(high[0] - low[0]), float(high[1] - low[1])
 
 
-def draw_pattern(
-    pattern: Pattern,
-    ax: "Axes",
-    *,
-    arrangement: Arrangement = "worn",
-    room: tuple[float, float] = (0.0, 0.0),
-) -> None:
-    """Draw all panels of a pattern on matplotlib axes, 1 unit = 1 cm.
+def draw_pattern(pattern: Pattern, ax: "Axes", *, room: tuple[float, float] = (0.0, 0.0)) -> None:
+    """Draw all panels of a pattern on matplotlib axes, whose frame is set so that 1 unit = 1 cm.
 
-    Args:
-        pattern: what to draw.
-        ax: where; its limits, aspect and frame are set.
-        arrangement: "worn" draws front and back, each panel about where it hangs;
-            "table" packs the panels in rows, in their own frames.
-        room: least width and height [cm]; given the largest `drawn_size` of several patterns, all
-            are drawn at one scale.
+    `room` is the least width and height [cm]: given the largest `drawn_size` of several patterns,
+    all are drawn at one scale.
     """
-    placed = arrange(pattern, arrangement)
+    placed = arrange(pattern)
     low, high = bounds(placed)
     spare = np.maximum(np.array(room) - (high - low), 0.0) / 2
     size = float((high - low + 2 * spare).max())
@@ -77,8 +66,9 @@ def draw_pattern(
     _draw_edges(placed, seams, ax)
     named = len(placed) <= MAX_NAMES
     for p in placed:
-        if p.panel.grain is not None:
-            _draw_grain(p, letter, ax, named=named)
+        if (ends := _grain_arrow(p, letter, named=named)) is not None:
+            look = {"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6}
+            ax.annotate("", ends[1], ends[0], arrowprops=look, zorder=3)
         if named:
             _draw_name(p, letter, ax)
         if max(seams.values(), default=0) <= MAX_NUMBERS:
@@ -200,23 +190,18 @@ def _beside_edge(
     return place
 
 
-def _draw_grain(placed: DrawnPanel, letter: float, ax: "Axes", *, named: bool) -> None:
-    ends = _grain_arrow(placed, letter, named=named)
-    if ends is not None:
-        look = {"arrowstyle": "<|-|>", "color": FAINT, "lw": 0.7, "mutation_scale": 6}
-        ax.annotate("", ends[1], ends[0], arrowprops=look, zorder=3)
-
-
 def _grain_arrow(
     placed: DrawnPanel, letter: float, *, named: bool
 ) -> Float[np.ndarray, "2 2"] | None:
     """Ends of the longest arrow along the grain that lies on cloth and clear of the panel's name.
 
-    Of arrows as long, the one nearest above the name; None where not even a short one has room.
+    Of arrows as long, the one nearest above the name; None without a grain or where not even a
+    short one has room.
     """
     import shapely
 
-    assert placed.panel.grain is not None
+    if placed.panel.grain is None:
+        return None
     along = placed.matrix @ np.array(placed.panel.grain)
     upwards = along if along[1] >= 0 else -along
     outline, *holes = (placed.place(loop.polygon) for loop in placed.panel.loops)

@@ -62,8 +62,8 @@ def draw_cells(image: GarmentImage, ax: "Axes") -> None:
     from matplotlib.collections import PolyCollection
 
     quads = {k: _quads(image, k) for k in range(image.layers)}
-    sizes = np.concatenate([_extent(q) for q in quads.values()])
-    scale = QUAD_SHARE / float(np.median(sizes)) if len(sizes) else 1.0
+    sizes = np.concatenate([np.ptp(q, axis=1).max(axis=1) for q in quads.values()])
+    scale = QUAD_SHARE / float(np.median(np.maximum(sizes, 1e-6))) if len(sizes) else 1.0
     for layer, shapes in quads.items():
         _draw_board(image, layer, ax)
         rows, cols = np.nonzero(image.inside[layer])
@@ -90,11 +90,6 @@ def _quads(image: GarmentImage, layer: int) -> Float[np.ndarray, "cell 4 2"]:
     corners = np.stack([np.zeros_like(bottom), bottom, (bottom + right + left + top) / 2, left], 1)
     centred: np.ndarray = corners - corners.mean(axis=1, keepdims=True)
     return centred
-
-
-def _extent(quads: Float[np.ndarray, "cell 4 2"]) -> Float[np.ndarray, " cell"]:
-    extents: np.ndarray = np.maximum(np.ptp(quads, axis=1).max(axis=1), 1e-6)
-    return extents
 
 
 def _origin(image: GarmentImage, layer: int) -> Float[np.ndarray, " 2"]:

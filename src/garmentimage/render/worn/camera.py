@@ -102,7 +102,7 @@ class Camera:
         return x * scale, -y * scale, depth
 
 
-def view(name: str, points: Float[np.ndarray, "n 3"], *, margin: float = MARGIN) -> Camera:
+def view(name: str, points: Float[np.ndarray, "n 3"]) -> Camera:
     """An orthographic camera that shows all `points` from a named view, whatever their turn.
 
     The picture is as large for every view, so that views of one body can stand beside each other.
@@ -115,5 +115,5 @@ def view(name: str, points: Float[np.ndarray, "n 3"], *, margin: float = MARGIN)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2
     width = 2 * float(np.hypot(points[:, 0], points[:, 2]).max())
-    extent = margin * max(width, float(high[1] - low[1]))
+    extent = MARGIN * max(width, float(high[1] - low[1]))
     return Camera((0.0, float(middle[1]), 0.0), extent, VIEWS[name])

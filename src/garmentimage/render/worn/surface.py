@@ -95,7 +95,6 @@ def surfaces_of(
     skin: Tint | None = SKIN,
     colours: Mapping[str, Tint] = PAPER_COLOURS,
     prints: Mapping[str, Print] = MappingProxyType({}),
-    creased: bool = False,
 ) -> tuple[Surface, ...]:
     """The surfaces of a draped garment: the body, then the cloth, one surface a panel group.
 
@@ -106,12 +105,9 @@ def surfaces_of(
             that is found; where none is, the paper's colour of the group.
         prints: the same for prints, whose colours replace the cloth's; where none is found the
             cloth is plain.
-        creased: whether the shading breaks at seams; it is smooth over them otherwise.
     """
     cloth = garment.cloth
     points, faces = garment.points, cloth.vertex_faces
-    if creased:
-        points, faces = garment.points[cloth.vertex], cloth.faces
     normals = vertex_normals(points, faces)
     groups = panel_groups(garment)
     panels = cloth.pattern.panels
@@ -123,7 +119,7 @@ def surfaces_of(
             for p, panel, group in zip(printed, panels, groups, strict=True)
         ]
     )
-    seams, hems = cloth_lines(cloth, sewn=not creased)
+    seams, hems = cloth_lines(cloth)
     found = [] if skin is None else [body_surface(garment.body, skin)]
     # One surface for each print: they share points, and so the shading over their seams.
     kinds = list(dict.fromkeys(printed))
@@ -172,13 +168,11 @@ def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
     )
 
 
-def cloth_lines(
-    cloth: Cloth, *, sewn: bool = True
-) -> tuple[Int[np.ndarray, "seam 2"], Int[np.ndarray, "hem 2"]]:
-    """Lines along sewn edges and along free edges, between vertices (or corners, if not `sewn`)."""
+def cloth_lines(cloth: Cloth) -> tuple[Int[np.ndarray, "seam 2"], Int[np.ndarray, "hem 2"]]:
+    """Vertices of the lines along sewn edges, and along free edges."""
     seams, hems = [NO_LINES], [NO_LINES]
     for side, corners in cloth.sides.items():
-        ends = cloth.vertex[corners] if sewn else corners
+        ends = cloth.vertex[corners]
         lines = np.stack([ends[:-1], ends[1:]], axis=1)
         (seams if side in cloth.pattern.partners else hems).append(lines)
     return np.concatenate(seams), np.concatenate(hems)
