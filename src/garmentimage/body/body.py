@@ -16,8 +16,7 @@ from garmentimage.errors import DraftError, quoted
 POSES = {"t": "arms stretched out sideways", "a": "arms 45 degrees down"}
 """Poses of the shipped bodies; the legs stand a little apart in both."""
 STEP = 1 / 256  # coordinates are shipped as whole multiples of this [cm]
-MIDDLE_HEIGHT = 100.0
-"""Heights are shipped relative to this, so that 16 bits suffice [cm]."""
+MIDDLE_HEIGHT = 100.0  # heights are shipped relative to this, so that 16 bits suffice [cm]
 TOPOLOGY_FILE = "topology.npz"  # faces and landmark names, which all shipped bodies share
 
 Vector3 = Float[np.ndarray, " 3"]

@@ -12,22 +12,16 @@ from garmentimage.body.measure import ACROSS, UP, cut, skin_on_line
 from garmentimage.errors import DraftError
 
 NECK_POINT = 0.849  # height of the neck points, as a share of the stature
-NECK_WIDTH = 0.042
-"""Distance of the neck points from the middle, as a share of the stature."""
-CERVICAL_ABOVE = 0.011
-"""The cervical lies this share of the stature over the neck points."""
-WAIST = 0.43
-"""Height of the waist, as a share of the way from crotch to neck points."""
-SHOULDER = 0.101
-"""Distance of the shoulder joints from the middle, as a share of the stature."""
+NECK_WIDTH = 0.042  # distance of the neck points from the middle, as a share of the stature
+CERVICAL_ABOVE = 0.011  # the cervical lies this share of the stature over the neck points
+WAIST = 0.43  # height of the waist, as a share of the way from crotch to neck points
+SHOULDER = 0.101  # distance of the shoulder joints from the middle, as a share of the stature
 SHOULDER_DEEP = 0.029
 """Depth of the shoulder joints under the skin above, as a share of the stature."""
 ELBOW, WRIST = 0.373, 0.728
 """Where the joints lie on the way from the shoulder joint to the tip of the hand."""
-HIP_ABOVE = 0.058
-"""Height of the hip joints over the crotch, as a share of the stature."""
-HIP = 0.065
-"""Distance of the hip joints from the middle, as a share of the stature."""
+HIP_ABOVE = 0.058  # height of the hip joints over the crotch, as a share of the stature
+HIP = 0.065  # distance of the hip joints from the middle, as a share of the stature
 KNEE, ANKLE = 0.29, 0.046  # heights of the leg's joints, as shares of the stature
 
 

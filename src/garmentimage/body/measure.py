@@ -15,8 +15,7 @@ from garmentimage.body.body import Body, Points3, Vector3
 from garmentimage.body.body_measurements import BodyMeasurements
 from garmentimage.geometry import component_labels
 
-HIP_RANGE = (0.25, 0.75)
-"""Share of the way from crotch to waist in which the seat stands out most."""
+HIP_RANGE = (0.25, 0.75)  # share of the way from crotch to waist in which the seat stands out most
 BELOW_CROTCH = 0.015
 """How far below the crotch the thigh is measured, as a share of the crotch height."""
 ACROMION_OFFSET = 0.1
@@ -35,10 +34,8 @@ LEG_SAMPLES = 40
 """Cuts between knee and ankle among which the thickest and the thinnest are chosen."""
 CALF_END = 0.6
 """Share of the way from knee to ankle above which the calf lies, and below which the ankle."""
-STRIP = 3.0
-"""Half the width of the body over which a tape through the legs lies [cm]."""
-ON_EDGE = 1e-9
-"""How far outside a triangle, as a share of it, a line still hits it."""
+STRIP = 3.0  # half the width of the body over which a tape through the legs lies [cm]
+ON_EDGE = 1e-9  # how far outside a triangle, as a share of it, a line still hits it
 
 Flat = Float[np.ndarray, "point 2"]
 Vector2 = Float[np.ndarray, " 2"]

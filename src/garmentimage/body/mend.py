@@ -19,8 +19,7 @@ from garmentimage.geometry import component_labels
 WELDS = (1e-6, 1e-5, 1e-4, 5e-4)
 """Vertices along rims are one where they are nearer than the first of these shares of the
 surface's size that closes the rims, or that leaves least open."""
-SMALL_PART = 0.1
-"""Parts smaller than this share of the whole are eyes, teeth and lashes."""
+SMALL_PART = 0.1  # parts smaller than this share of the whole are eyes, teeth and lashes
 TWINNED = 0.5
 """Where more than this share of the triangles have a twin of opposite orientation, the surface
 was written with two sides."""

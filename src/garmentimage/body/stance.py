@@ -17,8 +17,7 @@ from garmentimage.errors import check_type
 WORN_LEG_ANGLE = np.deg2rad(2.5)  # how far each leg stands out on a body that wears something
 TURNED_BELOW_CROTCH = 6.0
 """From the hip joint to this far under the crotch, skin turns more and more with the leg [cm]."""
-HANDS = 35.0
-"""Skin farther than this from the middle does not belong to a leg [cm]."""
+HANDS = 35.0  # skin farther than this from the middle does not belong to a leg [cm]
 BETWEEN = 3.0
 """Skin nearer to the middle than this turns less, in the middle not at all [cm]."""
 BODIES_KEPT = 16  # bodies whose stance is remembered

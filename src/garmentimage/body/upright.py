@@ -22,16 +22,13 @@ STATURES = (0.9, 2.28)
 """Least and greatest stature of a body [m]; outside of it, the unit is another."""
 UNITS = {"m": 100.0, "ft": 30.48, "dm": 10.0, "in": 2.54, "cm": 1.0, "mm": 0.1}
 """Units that a file may be in, and their lengths [cm]; no stature is one in two of them."""
-ADULT = 135.0
-"""Bodies that are smaller [cm] may have other proportions than adults."""
+ADULT = 135.0  # bodies that are smaller [cm] may have other proportions than adults
 FOOT = 0.03
 """Height up to which a foot shows where its toes point, as a share of the stature."""
 ANKLE = (0.05, 0.08)
 """Heights between which the leg lies above the heel, as shares of the stature."""
-SAMPLE = 1500
-"""Points of the skin, evenly by area, that show how a body stands."""
-PLANES = 12
-"""Planes from which the search for the plane of symmetry starts."""
+SAMPLE = 1500  # points of the skin, evenly by area, that show how a body stands
+PLANES = 12  # planes from which the search for the plane of symmetry starts
 FITS, KEPT = 12, 0.9
 """Times that a plane is fitted, and share of the points, the best ones, that it is fitted to."""
 MIDDLE = 0.02

@@ -23,8 +23,7 @@ from garmentimage.drape.support import SupportSite
 from garmentimage.geometry import component_labels
 from garmentimage.pattern import Side
 
-LAYER = 2.0
-"""Garments whose depths differ by less are drawn on one layer [cm]."""
+LAYER = 2.0  # garments whose depths differ by less are drawn on one layer [cm]
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,8 +28,7 @@ from garmentimage.pattern.checks import off_centre, unknown_place
 BELT_STIFFNESS, MAX_BELT_PULL = 1e5, 3e6
 """A belt or an elastic keeps each vertex at its height with this stiffness [dyn/cm], and holds the
 garment up with at most this force all round [dyn]: some 3 kg."""
-ONE_PLANE = 1.0
-"""Panels whose depths differ by less [cm] all lie on one side of the body."""
+ONE_PLANE = 1.0  # panels whose depths differ by less [cm] all lie on one side of the body
 
 
 def drape_pattern(

@@ -40,18 +40,15 @@ TOO_SHORT_AT_WAIST = 0.88
 least this share of the waist, or of a poncho."""
 TOP_BAND = 8.0
 """Edges whose tops are within this of the highest are at the top together [cm]."""
-TOO_SHORT = 0.92
-"""A top edge shorter than this share of the bust is not worn there."""
+TOO_SHORT = 0.92  # a top edge shorter than this share of the bust is not worn there
 CROTCH_TO_CHEST = 0.95
 """Trousers that reach up to the chest are as long above the crotch as this share of the body."""
 FLARED, FLARED_BELOW = 1.12, 10.0
 """A garment that is so many times as wide as its top edge this far below it [cm] is a skirt."""
-BAND = 12.0
-"""Panels at the top that are lower than this are a waistband [cm]."""
+BAND = 12.0  # panels at the top that are lower than this are a waistband [cm]
 WAISTED, WAIST_BELOW = 0.95, (10.0, 35.0)
 """A garment that is narrower than this share of its top so far below it [cm] has a waist."""
-HEM = 3.0
-"""Edges that are curved keep within this of their height at the sides [cm]."""
+HEM = 3.0  # edges that are curved keep within this of their height at the sides [cm]
 
 
 class SupportSite(Enum):
@@ -76,8 +73,7 @@ class Support:
 
     site: SupportSite
     reason: str  # how it was recognised, as a clause
-    is_certain: bool
-    """Whether the garment itself shows it; otherwise the height in its file did."""
+    is_certain: bool  # Whether the garment itself shows it; otherwise the height in its file did
     edges: tuple[WorldEdge, ...]  # the free edges at its top
     seams: tuple[ShoulderSeam, ...]  # its shoulder seams
     crotch: float | None  # height of its crotch [cm]

@@ -6,10 +6,8 @@ from jaxtyping import Float, Int
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.mesh import vertex_normals
 
-NONE = -1
-"""Number of the edge or the seam of a corner that lies on none."""
-UP = (0.0, 1.0, 0.0)
-"""Normal where none is defined: readers of files expect unit vectors."""
+NONE = -1  # number of the edge or the seam of a corner that lies on none
+UP = (0.0, 1.0, 0.0)  # normal where none is defined: readers of files expect unit vectors
 
 
 def corner_edges(cloth: Cloth) -> Int[np.ndarray, " corner"]:

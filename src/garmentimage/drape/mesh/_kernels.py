@@ -11,19 +11,16 @@ from numba import njit
 ROUNDS = 4  # rounds of smoothing
 FLIP_TOL = 1e-9
 """A flip must improve sin(a + b) by this, or rounding could flip back and forth endlessly."""
-KEEP_SHARE = 0.2
-"""Smoothing may shrink a triangle to this share of its area in a round."""
+KEEP_SHARE = 0.2  # smoothing may shrink a triangle to this share of its area in a round
 CLEARANCE = 0.6
 """Least distance of points inside from the boundary, in lengths of a side of the lattice."""
-APART = 0.65
-"""Least distance between the middle row and the lattice, in the same lengths."""
+APART = 0.65  # least distance between the middle row and the lattice, in the same lengths
 NARROW = 2.1
 """Where the cloth is narrower than this, in the same lengths, its middle gets points of its own; a
 row of the lattice could miss it (twice CLEARANCE and the distance of two rows)."""
 MIDDLE_CLEARANCE = 0.4
 """Least distance of the middle row from the boundary, in widths of the cloth there."""
-THREAD = 0.15
-"""Where cloth is narrower than this, it is left one row of triangles wide."""
+THREAD = 0.15  # where cloth is narrower than this, it is left one row of triangles wide
 FAR = 1e30  # larger than any distance or area
 
 

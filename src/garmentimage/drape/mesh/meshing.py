@@ -34,20 +34,17 @@ no detail, coarser no sleeve goes round a wrist. A tiny garment has fewer vertic
 huge one more."""
 COUNT_TOL = 0.1
 """Share by which the number of vertices may miss the target before the garment is meshed again."""
-MAX_ATTEMPTS = 5
-"""Attempts to meet the number of vertices, and to free a panel of faults."""
+MAX_ATTEMPTS = 5  # attempts to meet the number of vertices, and to free a panel of faults
 CELL = sqrt(3) / 2
 """Area of cloth that a vertex of a hexagonal lattice stands for, in squared edge lengths."""
 LENGTH_LOSS = 0.01  # share of a curve's length that its parts may lose
 FINER = 4  # times that a curve is cut finer at most to keep its length
 NARROW_SHARE = 0.25
 """Edge length in narrow cloth, in its widths: two rows of equilateral triangles."""
-MIN_NARROW_SHARE = 0.5
-"""Least edge length in narrow cloth, as a share of the garment's."""
+MIN_NARROW_SHARE = 0.5  # least edge length in narrow cloth, as a share of the garment's
 SHORT = 0.5
 """Edges longer than this, in edge lengths, have two parts: a strap ends there, or a band."""
-CLOSED_PARTS = 3
-"""Parts of a side whose ends are one vertex; three make a round opening."""
+CLOSED_PARTS = 3  # parts of a side whose ends are one vertex; three make a round opening
 
 Triangles = tuple[Float[np.ndarray, "_ 2"], Int[np.ndarray, "_ 3"]]
 """One panel's points and faces, counter-clockwise."""

@@ -12,8 +12,7 @@ from jaxtyping import Float, Int
 from garmentimage.body import mesh_edges
 from garmentimage.drape.cloth import Cloth
 
-STRAINED = 0.01
-"""Share of the cloth whose stretch is ignored: corners, and where seams meet."""
+STRAINED = 0.01  # share of the cloth whose stretch is ignored: corners, and where seams meet
 GATHERED = 1.05
 """An edge whose two panels differ in length by more than this factor is gathered: it is as long as
 the shorter side, and the longer one's cloth has to fold. Elsewhere it takes their mean."""

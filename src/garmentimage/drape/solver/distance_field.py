@@ -19,8 +19,7 @@ PAD = 5.0
 """The grid goes this far beyond the body [cm]; nothing farther off can touch it."""
 BAND = 2.0  # distances are exact up to this far from a body's skin [cm]
 BESIDE = np.array([1.2e-5, 2.3e-5, 0.0])  # how far beside a node its line of crossings runs [cell]
-CLOTH_BAND = 2.2
-"""What lies up to this far behind settled cloth counts as inside [cm]."""
+CLOTH_BAND = 2.2  # what lies up to this far behind settled cloth counts as inside [cm]
 
 
 @dataclass(frozen=True, eq=False)

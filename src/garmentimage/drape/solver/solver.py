@@ -39,8 +39,7 @@ STABLE = 0.96 * 2.0 / (1.0 + 2.0 * LOOK_AHEAD)
 2 / (1 + 2 LOOK_AHEAD), whatever the shape of the cloth; see `_model`."""
 STABLE_PERCENT = 75
 """Percentage of the vertices for which steps are made short enough; the others get inertia."""
-MAX_REFRESH = 6
-"""Bending forces and planes of contact are kept for this many steps at most."""
+MAX_REFRESH = 6  # bending forces and planes of contact are kept for this many steps at most
 MAX_LIFT = 0.2
 """Where skin comes through between vertices, these are kept farther off by up to this share of the
 edges' length: a chord of a circle misses it by so much where it is 44 degrees long or less."""

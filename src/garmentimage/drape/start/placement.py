@@ -53,8 +53,7 @@ from garmentimage.pattern.checks import symmetry_plane
 EASE = 8.0
 """A belt draws a top edge together by this much at most [cm], so it holds where the edge is no
 longer than the body is round, and this."""
-FRILL = 25.0
-"""Greatest height of what stands up from the waist, wider at its top [cm]."""
+FRILL = 25.0  # greatest height of what stands up from the waist, wider at its top [cm]
 BAND_ABOVE = 4.5
 """A waistband goes up from the waist by its height, but no more than this [cm]."""
 ON_HIPS = 0.45
@@ -63,10 +62,8 @@ DRAWN_TOGETHER, TIGHT = 0.45, 3.0
 """An elastic draws cloth together to this share of its length at least. At rest, belts and elastics
 are shorter than the body is round by `TIGHT` [cm]."""
 ELASTIC = "waist"  # label of an edge that is drawn together at the waist
-TIGHT_WITHIN = 14.0
-"""What holds a strapless garment lies within this below its top edge [cm]."""
-CROTCH_ROOM = 1.0
-"""The crotch of trousers keeps this far below the crotch of the body [cm]."""
+TIGHT_WITHIN = 14.0  # what holds a strapless garment lies within this below its top edge [cm]
+CROTCH_ROOM = 1.0  # the crotch of trousers keeps this far below the crotch of the body [cm]
 TOUCH = 1.0
 """A single strap begins so far over the shoulder [cm]: what is held beside it does not sink."""
 OFF_SHOULDER = 1.3
@@ -76,10 +73,8 @@ LEVEL_STEP = 1.0
 STATURES = (90.0, 230.0)  # statures that a pattern may be made for [cm]
 DEPTH_GAP = 5.0
 """Panels that lie less far apart in depth [cm] do not distinguish front from back."""
-DEPTH_ROOM = 3.0
-"""Distance from the body that the plane of the back should have [cm]."""
-BACK_NEARER = 4.0
-"""The body stands nearer to the back than midway by this at most [cm]."""
+DEPTH_ROOM = 3.0  # distance from the body that the plane of the back should have [cm]
+BACK_NEARER = 4.0  # the body stands nearer to the back than midway by this at most [cm]
 DEPTH_END = 0.25
 """The panels in front are those in this share of the depth of the whole garment."""
 

@@ -8,8 +8,7 @@ from garmentimage.body import Vector3
 from garmentimage.drape.cloth import Cloth
 from garmentimage.pattern import Side
 
-CHEST = 0.7
-"""Where the chest is on the way from the waist to the shoulder joints."""
+CHEST = 0.7  # where the chest is on the way from the waist to the shoulder joints
 
 Landmarks = Mapping[str, Vector3]  # of a body [cm]
 

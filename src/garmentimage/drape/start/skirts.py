@@ -21,8 +21,7 @@ WIDE, KEPT_BEYOND = np.deg2rad(60.0), 0.15
 """A skirt begins to hang at this angle from straight down at most, plus this share of the rest."""
 HALF_ROUND = np.deg2rad(95.0)
 """Half of a circle skirt has a seam that reaches to this angle from straight down, or further."""
-FLARED = np.deg2rad(40.0)
-"""The same for a free top edge: nothing over it keeps a flared one level."""
+FLARED = np.deg2rad(40.0)  # the same for a free top edge: nothing over it keeps a flared one level
 STRAIGHT_DOWN = np.deg2rad(30.0)  # that seam begins within this angle from straight down
 OUT_OF_ROUND = 0.15  # share of its radius by which that seam may leave a circle
 SEAM_DEPTH = 8.0

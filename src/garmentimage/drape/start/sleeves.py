@@ -12,8 +12,7 @@ from garmentimage.drape.start.sides import Landmarks, chest, faces_front, of_sid
 
 SLEEVE_INNER = 0.2
 """Sleeves lie outside of this share of the shoulder joint's distance from the middle."""
-UNDER_TOP = 8.0
-"""The arm goes through a wide sleeve this far under its top [cm]."""
+UNDER_TOP = 8.0  # the arm goes through a wide sleeve this far under its top [cm]
 MIN_TURNED_LENGTH = 5.0  # a sleeve shorter than this is moved, but not turned [cm]
 
 

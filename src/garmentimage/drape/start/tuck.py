@@ -13,10 +13,8 @@ from garmentimage.body import Body
 from garmentimage.drape.girths import trunk_girth
 from garmentimage.drape.mesh import Rest
 
-ROOM = 0.92
-"""Girth of the tucked cloth, as a share of the body's: it lies tight."""
-STEP = 4.0
-"""Distance of the levels at which body and cloth are measured [cm]."""
+ROOM = 0.92  # girth of the tucked cloth, as a share of the body's: it lies tight
+STEP = 4.0  # distance of the levels at which body and cloth are measured [cm]
 
 
 def tuck_in(rest: Rest, start: Float[np.ndarray, "vertex 3"], body: Body, level: float) -> Rest:

@@ -18,8 +18,7 @@ from garmentimage.drape.verdict.openings import BONES, bones, is_beyond, opening
 from garmentimage.drape.verdict.skin import deepest
 
 MAX_PENETRATION = 0.5  # cloth may lie this far under the skin [cm]
-MAX_STRAIN = 0.25
-"""All but a hundredth of the cloth, by area, may stretch by this share."""
+MAX_STRAIN = 0.25  # all but a hundredth of the cloth, by area, may stretch by this share
 MAX_SLID = 3.0
 """A garment may lie this far from where it is worn [cm]; what sits on the hips, further."""
 HIGH_WAIST = 8.0

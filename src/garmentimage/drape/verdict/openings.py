@@ -42,8 +42,7 @@ SOLE, KNEE = 3.0, 30.0
 """Nor need one round a leg that lies lower than this over the floor [cm], as feet point forward; a
 limb that ends lower than a knee and points down is a leg."""
 
-CHEST = 0.7
-"""Height of the middle of the chest between the hips (0) and the neck (1)."""
+CHEST = 0.7  # height of the middle of the chest between the hips (0) and the neck (1)
 
 
 def bones(body: Body) -> dict[str, Float[np.ndarray, "_ 3"]] | None:

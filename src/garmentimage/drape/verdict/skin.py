@@ -6,8 +6,7 @@ from jaxtyping import Bool, Float, Int
 from garmentimage.body import Body
 from garmentimage.drape.solver import body_field
 
-PARTS = 3
-"""Triangles are checked at the corners of a grid with so many parts a side."""
+PARTS = 3  # triangles are checked at the corners of a grid with so many parts a side
 HAND = 25.0  # a hand ends no farther than this from the wrist [cm]
 
 

@@ -20,11 +20,9 @@ if TYPE_CHECKING:
 
 CURVE_CHORDS = 24  # chords that draw one curved edge
 SCALE_BAR_CM = 20.0
-LETTERING = 6.0
-"""Size of names and numbers [points]; names shrink to fit their panel ..."""
+LETTERING = 6.0  # size of names and numbers [points]; names shrink to fit their panel ..
 MIN_LETTERING = 3.0  # ... down to this size
-NUMBER_SPACE = 1.3
-"""A number's middle keeps this many sizes of the lettering away from a name."""
+NUMBER_SPACE = 1.3  # a number's middle keeps this many sizes of the lettering away from a name
 _LETTER_WIDTH = 0.62  # mean width of a letter, in sizes of the lettering
 GRAIN_SHARE = 0.14
 """Half of a grain arrow, as a share of the panel along the grain; it shrinks to find room ..."""
@@ -32,8 +30,7 @@ GRAIN_SIZES = (1.0, 0.7, 0.5, 0.35)  # ... to these shares of it
 GRAIN_SPACES = (1.8, 0.4)
 """An arrow keeps this many sizes of the lettering away from the panel's edges: where there is room
 so many that it clears the numbers beside them."""
-GRAIN_SPOTS = 25
-"""Places for an arrow that are tried along each side of the panel's box."""
+GRAIN_SPOTS = 25  # places for an arrow that are tried along each side of the panel's box
 MAX_NUMBERS = 60
 """With more seams than this the numbers would hide the drawing and are left out."""
 MAX_NAMES = 40  # with more panels than this the names are left out

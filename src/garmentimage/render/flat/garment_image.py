@@ -30,8 +30,7 @@ LEGEND_NOTE = "Colour is the type of a grid edge here; in patterns, with a numbe
 CELLS_CAPTION = (
     "Deformation: each cell's cloth, all in one scale. On the body, grid cells are unequal."
 )
-QUAD_SHARE = 0.8
-"""How much of its cell a deformed quadrilateral of middling size fills."""
+QUAD_SHARE = 0.8  # how much of its cell a deformed quadrilateral of middling size fills
 _SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
 _STEP = {BOTTOM: np.array([1, 0]), LEFT: np.array([0, 1])}
 

@@ -12,8 +12,7 @@ import numpy as np
 from jaxtyping import Float, Float32, Int, Int16
 from numba import njit
 
-INSIDE = 0.62
-"""Light that the inside of cloth sends back, as a share of its outside's."""
+INSIDE = 0.62  # light that the inside of cloth sends back, as a share of its outside's
 INK_SHADE = 0.62  # share of the light that a fully inked line takes away
 AO_BIAS = 0.12
 """Sine of the angle above a surface below which a neighbour does not darken it: the surface's own

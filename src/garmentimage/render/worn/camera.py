@@ -20,10 +20,8 @@ VIEWS: Mapping[str, float] = MappingProxyType(
 """Azimuth of the named views [rad]; "side" shows the wearer's left."""
 ORTHOGRAPHIC_DISTANCE = 400.0
 """An orthographic picture measures depths from this far in front of the target [cm]."""
-FILM_HEIGHT_MM = 24.0
-"""Height of a 35 mm frame, by which photographers name focal lengths."""
-MIN_DISTANCE = 5.0
-"""Nothing may be nearer to a perspective camera than this [cm]."""
+FILM_HEIGHT_MM = 24.0  # height of a 35 mm frame, by which photographers name focal lengths
+MIN_DISTANCE = 5.0  # nothing may be nearer to a perspective camera than this [cm]
 MARGIN = 1.06  # size of a fitted picture over the size of what it shows
 
 

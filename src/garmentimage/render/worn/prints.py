@@ -15,8 +15,7 @@ from garmentimage.errors import RenderError
 from garmentimage.render.worn.tint import Tint, linear, rgb
 from garmentimage.system import shown_path
 
-TILE, WEAVE_TILE = 64, 256
-"""Rows and columns of a tile that we draw, and of one with random detail."""
+TILE, WEAVE_TILE = 64, 256  # rows and columns of a tile that we draw, and of one with random detail
 MAX_PIXELS = 16_000_000  # largest picture that is read as a print
 _OCTAVES = ((2, 0.5), (8, 0.35), (32, 0.6), (128, 0.8))
 """Waves over a tile, and their strength, that make up random detail."""

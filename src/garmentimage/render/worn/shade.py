@@ -30,8 +30,7 @@ NO_SURFACE = -1  # panel id of pixels in which nothing is seen
 SUPERSAMPLES = 2  # samples of a pixel along each axis
 SEAM_BREADTH, MIN_SEAM_BREADTH = 0.5, 0.7
 """Breadth of a drawn seam [cm], and the least it has [pixel]."""
-LINE_REACH = 0.8
-"""A drawn seam shows through surfaces less than this nearer [cm]."""
+LINE_REACH = 0.8  # a drawn seam shows through surfaces less than this nearer [cm]
 HEM_INK = 0.55  # ink of a free edge, as a share of a seam's
 AO_RADIUS = 9.0
 """What is farther away than this takes no light from a point's surroundings [cm]."""
@@ -40,8 +39,7 @@ AO_PROBES, SMALL_AO_PROBES, SMALL = (3, 8), (2, 6), 128
 SHADOW_SOFTNESS = 2.2  # the edge of a cast shadow is softened over this radius [cm]
 SHADOW_PROBES = (2, 6)  # rings and spokes of the probes that soften it
 SHADOW_SIZES = (128, 512)  # smallest and largest picture taken from the light [pixel]
-SHADOW_WIDENED = 1.25
-"""Its extent over that of the picture: what lies beyond casts no shadow."""
+SHADOW_WIDENED = 1.25  # its extent over that of the picture: what lies beyond casts no shadow
 
 
 def shape_of(surface: Surface, camera: Camera) -> Shape:

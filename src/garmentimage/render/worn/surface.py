@@ -14,6 +14,7 @@ from garmentimage.drape import Cloth, DrapedGarment
 from garmentimage.drape.mesh import vertex_normals
 from garmentimage.errors import RenderError, quoted
 from garmentimage.geometry import component_labels
+from garmentimage.pattern import Panel
 from garmentimage.render.worn.prints import Print
 from garmentimage.render.worn.tint import Tint, linear, rgb
 
@@ -107,30 +108,22 @@ def surfaces_of(
             cloth is plain.
     """
     cloth = garment.cloth
-    points, faces = garment.points, cloth.vertex_faces
-    normals = vertex_normals(points, faces)
-    groups = panel_groups(garment)
-    panels = cloth.pattern.panels
-    printed = [_chosen(prints, p.name, p.label, g) for p, g in zip(panels, groups, strict=True)]
-    wanted = {**PAPER_COLOURS, **colours}
-    tints = np.array(
-        [
-            rgb("white" if p else _chosen(wanted, panel.name, panel.label, group))
-            for p, panel, group in zip(printed, panels, groups, strict=True)
-        ]
-    )
+    normals = vertex_normals(garment.points, cloth.vertex_faces)
+    grouped = list(zip(cloth.pattern.panels, panel_groups(garment), strict=True))
+    printed = [_chosen(prints, panel, group) for panel, group in grouped]
+    chosen = [_chosen({**PAPER_COLOURS, **colours}, panel, group) for panel, group in grouped]
+    tints = np.array([rgb("white" if p else c) for p, c in zip(printed, chosen, strict=True)])
     seams, hems = cloth_lines(cloth)
     found = [] if skin is None else [body_surface(garment.body, skin)]
     # One surface for each print: they share points, and so the shading over their seams.
-    kinds = list(dict.fromkeys(printed))
-    for number, cloth_print in enumerate(kinds):
+    for number, cloth_print in enumerate(dict.fromkeys(printed)):
         mine = np.array([p is cloth_print for p in printed])[cloth.face_panel]
         first = number == 0
         found.append(
             Surface(
                 name="cloth" if first else f"cloth {number + 1}",
-                points=points,
-                faces=faces[mine],
+                points=garment.points,
+                faces=cloth.vertex_faces[mine],
                 colour=tints[cloth.face_panel[mine]],
                 ids=cloth.face_panel[mine] + 1,
                 normals=normals,
@@ -178,7 +171,6 @@ def cloth_lines(cloth: Cloth) -> tuple[Int[np.ndarray, "seam 2"], Int[np.ndarray
     return np.concatenate(seams), np.concatenate(hems)
 
 
-def _chosen(table: Mapping[str, Any], name: str, label: str | None, group: str) -> Any:
+def _chosen(table: Mapping[Any, Any], panel: Panel, group: str) -> Any:
     """The entry for a panel, for its label or for its group, in this order; or None."""
-    keys = (name, group) if label is None else (name, label, group)
-    return next((table[key] for key in keys if key in table), None)
+    return next((table[key] for key in (panel.name, panel.label, group) if key in table), None)
