@@ -203,20 +203,24 @@ def _goes_round(segments: Float[np.ndarray, "segment 2 3"], tape: Tape) -> bool:
 # --- Which body ----------------------------------------------------------------------------------
 
 
-def fit_on(cloth: Cloth, name: str, *, made_for: float | None = None, pose: str = "t") -> Fit:
-    """How a garment fits a shipped body, without being draped."""
+def _fit_on(clothes: Sequence[Cloth], name: str, made_for: float | None, pose: str) -> Fit:
+    """How garments fit a shipped body, without being draped."""
     body = stand_straight(load_body(name, pose))
-    placed, placements = place_on_body(cloth.pattern, body, made_for=made_for)
-    found = girths(cloth, start_points(replace(cloth, pattern=placed), body, placements), body)
-    edges = [s.length for s in placements if s.site is SupportSite.WAIST and s.length > 0]
-    if edges:
-        # A band may begin just over the tape or just under it.
-        waist = Girth("waist", min(edges), tapes(body)["waist"].girth)
-        found = (waist, *(g for g in found if g.place != "waist"))
-    tight = sum(max(g.missing - STRETCH_ALLOWANCE, 0.0) for g in found)
-    held = [s for s in placements if s.site is not SupportSite.SHOULDERS]
-    loose = sum(max(s.length / s.girth - 1 - SUPPORT_ALLOWANCE, 0.0) for s in held)
-    return Fit(name, found, tight, loose)
+    every: list[Girth] = []
+    tight = loose = 0.0
+    for cloth in clothes:
+        placed, placements = place_on_body(cloth.pattern, body, made_for=made_for)
+        found = girths(cloth, start_points(replace(cloth, pattern=placed), body, placements), body)
+        edges = [s.length for s in placements if s.site is SupportSite.WAIST and s.length > 0]
+        if edges:
+            # A band may begin just over the tape or just under it.
+            waist = Girth("waist", min(edges), tapes(body)["waist"].girth)
+            found = (waist, *(g for g in found if g.place != "waist"))
+        held = [s for s in placements if s.site is not SupportSite.SHOULDERS]
+        every += found
+        tight += sum(max(g.missing - STRETCH_ALLOWANCE, 0.0) for g in found)
+        loose += sum(max(s.length / s.girth - 1 - SUPPORT_ALLOWANCE, 0.0) for s in held)
+    return Fit(name, tuple(every), tight, loose)
 
 
 def best_fit(patterns: Sequence[Pattern], *, made_for: float | None = None, pose: str = "t") -> Fit:
@@ -239,9 +243,7 @@ def best_fit(patterns: Sequence[Pattern], *, made_for: float | None = None, pose
     clothes = [mesh(without_stubs(pattern)) for pattern in patterns]
     fits = []
     for name in ORDER:
-        each = [fit_on(cloth, name, made_for=made_for, pose=pose) for cloth in clothes]
-        every = tuple(girth for fit in each for girth in fit.girths)
-        fits.append(Fit(name, every, sum(f.tight for f in each), sum(f.loose for f in each)))
+        fits.append(_fit_on(clothes, name, made_for, pose))
         if fits[-1].tight == fits[-1].loose == 0:
             break
     drawn_together = min(fit.loose for fit in fits) > 0

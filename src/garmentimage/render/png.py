@@ -6,7 +6,7 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import UInt8, UInt16
 
 from garmentimage.errors import OutputError, RenderError
 from garmentimage.render.style import FAINT
@@ -17,12 +17,20 @@ LETTERING, LABEL_HEIGHT = 13, 18
 """Height of the labels' letters, and of the line that they stand in [pixel]."""
 
 
-def png_bytes(colour: UInt8[np.ndarray, "row col 3"]) -> bytes:
-    """A picture as a PNG file: the same bytes for the same pixels."""
+def png_bytes(
+    pixels: UInt8[np.ndarray, "row col *rgb"] | UInt16[np.ndarray, "row col"],
+    palette: Sequence[int] = (),
+) -> bytes:
+    """A picture as a PNG file: the same bytes for the same pixels.
+
+    A `palette` gives red, green and blue of each number in an image of one channel.
+    """
     from PIL import Image
 
-    stream = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(colour)).save(stream, format="png")
+    stream, image = io.BytesIO(), Image.fromarray(np.ascontiguousarray(pixels))
+    if palette:
+        image.putpalette(palette)
+    image.save(stream, format="png")
     return stream.getvalue()
 
 

@@ -360,24 +360,19 @@ def _advance_all(
     points, displacement, force, masses, damping, gravity_step, step, max_speed
 ):  # fmt: skip
     """One step of symplectic Euler."""
+    max_shift = max_speed * step
     for i in range(len(points)):
         step_scale = masses.inverse_mass[i] * step * step
         x = displacement[i, 0] * damping + force[i, 0] * step_scale
         y = displacement[i, 1] * damping + force[i, 1] * step_scale
         y += gravity_step * masses.weight_share[i]
         z = displacement[i, 2] * damping + force[i, 2] * step_scale
-        _advance(points, displacement, i, x, y, z, max_speed * step)
-
-
-@njit(cache=True)
-def _advance(points, displacement, i, x, y, z, max_shift):
-    """Move a vertex, but no farther than `max_shift`."""
-    # A limit on speed keeps a vertex from jumping through an arm within one refresh.
-    length = np.sqrt(x * x + y * y + z * z)
-    share = max_shift / length if length > max_shift else 1.0
-    x, y, z = x * share, y * share, z * share
-    displacement[i, 0], displacement[i, 1], displacement[i, 2] = x, y, z
-    _add(points, i, x, y, z)
+        # A limit on speed keeps a vertex from jumping through an arm within one refresh.
+        length = np.sqrt(x * x + y * y + z * z)
+        share = max_shift / length if length > max_shift else 1.0
+        x, y, z = x * share, y * share, z * share
+        displacement[i, 0], displacement[i, 1], displacement[i, 2] = x, y, z
+        _add(points, i, x, y, z)
 
 
 # Held vertices are pulled by springs that are solved implicitly, vertex by vertex, which is stable

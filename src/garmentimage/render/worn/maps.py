@@ -8,12 +8,11 @@
 | `silhouette` | 8-bit grey | share of the pixel in which cloth is seen, 0 to 255 |
 """
 
-from io import BytesIO
-
 import numpy as np
 from jaxtyping import UInt8
 
 from garmentimage.errors import RenderError, quoted
+from garmentimage.render.png import png_bytes
 from garmentimage.render.style import SEAM_COLOURS
 from garmentimage.render.worn.photographing import Views
 
@@ -30,8 +29,7 @@ def map_bytes(views: Views, name: str) -> bytes:
     Raises:
         RenderError: another name, or more panels than a palette has entries for.
     """
-    from PIL import Image
-
+    palette: list[int] = []
     match name:
         case "depth":
             seen = np.isfinite(views.depth)
@@ -40,17 +38,12 @@ def map_bytes(views: Views, name: str) -> bytes:
         case "normal":
             pixels = np.rint((views.normal + 1) * 127.5).astype(np.uint8)
         case "panels":
-            pixels = panel_numbers(views)
+            pixels, palette = panel_numbers(views), _palette()
         case "silhouette":
             pixels = np.rint(views.silhouette * 255).astype(np.uint8)
         case _:
             raise RenderError(f"there is no map {quoted(name)}")
-    image = Image.fromarray(np.ascontiguousarray(pixels))
-    if name == "panels":
-        image.putpalette(_palette())
-    stream = BytesIO()
-    image.save(stream, format="png")
-    return stream.getvalue()
+    return png_bytes(pixels, palette)
 
 
 def panel_numbers(views: Views) -> UInt8[np.ndarray, "row col"]:
