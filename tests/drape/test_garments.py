@@ -160,10 +160,10 @@ def test_a_skirt_drawn_for_a_rounder_body_sits_on_the_hips_with_a_note():
 
 
 @pytest.mark.parametrize("name", ["tee", "trousers"])
-def test_a_garment_beside_the_body_is_a_fault(name):
+def test_a_garment_behind_the_body_is_a_fault(name):
     found = worn(name)
-    beside = found.points + np.array([150.0, 0.0, 0.0])
-    (fault,) = _limb_faults(found.cloth.vertex_faces, beside, beside, found.body)
+    behind = found.points - np.array([0.0, 0.0, 150.0])
+    (fault,) = _limb_faults(found.cloth.vertex_faces, behind, behind, found.body)
     assert "the body is not in the garment" in fault
 
 
