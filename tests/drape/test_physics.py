@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from garmentimage.drape.mesh.bending import bending_matrix
+from garmentimage.drape.solver._kernels_step import FRAME
 from garmentimage.drape.solver.distance_field import empty_field
-from garmentimage.drape.solver.solver import FRAME, GRAVITY, Attachment, SolverSettings, solve
+from garmentimage.drape.solver.solver import GRAVITY, Attachment, SolverSettings, solve
 from tests.drape.sheets import ROW, SOFT, ball, floor, lying, sheet, standing, strip
 
 AT_ONCE = SolverSettings(max_frames=600, gather_frames=0, stop_speed=0.01)

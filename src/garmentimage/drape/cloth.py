@@ -28,10 +28,8 @@ class Cloth:
     faces: Int[np.ndarray, "face 3"]
     """Corners of each triangle, turning as the outer loop of its panel does, so that the outer
     face is the one seen from outside the body."""
-    panel: Int[np.ndarray, " corner"]
-    """Number of the corner's panel in `pattern.panels`."""
-    vertex: Int[np.ndarray, " corner"]
-    """The vertex that the corner is sewn into."""
+    panel: Int[np.ndarray, " corner"]  # number of the corner's panel in `pattern.panels`
+    vertex: Int[np.ndarray, " corner"]  # the vertex that the corner is sewn into
     sides: Mapping[Side, Int[np.ndarray, " _"]]
     """Corners along each edge of each panel, from its start to its end, both ends included."""
 

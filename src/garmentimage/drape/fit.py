@@ -85,10 +85,8 @@ class Fit:
 
     body: str
     girths: tuple[Girth, ...]
-    tight: float
-    """Shares of girths that are missing, added up, less what cloth gives."""
-    loose: float
-    """Share of its girth by which what holds the garment is too long."""
+    tight: float  # shares of girths that are missing, added up, less what cloth gives
+    loose: float  # share of its girth by which what holds the garment is too long
 
     def __str__(self) -> str:
         trunk = [str(g) for g in self.girths if g.place not in LIMBS]

@@ -14,27 +14,11 @@ from jaxtyping import Float, Int
 
 from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.mesh import Rest, bending_matrix
-from garmentimage.drape.solver._kernels_step import (
-    FRAME,
-    LOOK_AHEAD,
-    MIN_LENGTH,
-    Bending,
-    Field,
-    Masses,
-    Material,
-    Model,
-    Pins,
-    Rates,
-    Schedule,
-    SolverState,
-    Springs,
-    Triangles,
-    simulate,
-)
+from garmentimage.drape.solver import _kernels_step as kernels
 from garmentimage.drape.solver.distance_field import DistanceField
 
 GRAVITY = 981.0  # [cm/s2]
-STABLE = 0.96 * 2.0 / (1.0 + 2.0 * LOOK_AHEAD)
+STABLE = 0.96 * 2.0 / (1.0 + 2.0 * kernels.LOOK_AHEAD)
 """Greatest value of (step^2 x sum of spring stiffness / mass) of a vertex: stable is less than
 2 / (1 + 2 LOOK_AHEAD), whatever the shape of the cloth; see `_model`."""
 STABLE_PERCENT = 75
@@ -57,13 +41,11 @@ class Attachment:
     """Vertices held in place, axis by axis."""
 
     vertices: Int[np.ndarray, " held"]
-    targets: Float[np.ndarray, "held 3"]
-    """Where they are held [cm]."""
+    targets: Float[np.ndarray, "held 3"]  # where they are held [cm]
     stiffness: Float[np.ndarray, "held 3"]
     """Force per distance from the target along x, y and z [dyn/cm]: 0 is free, infinite is held
     exactly there."""
-    max_force: float = np.inf
-    """Greatest force on a vertex, along each axis [dyn]."""
+    max_force: float = np.inf  # greatest force on a vertex, along each axis [dyn]
 
 
 @dataclass(frozen=True)
@@ -94,15 +76,12 @@ class SolverSettings:
 class Motion:
     """The result of a simulation."""
 
-    points: Float[np.ndarray, "vertex 3"]
-    """Where the vertices ended [cm]."""
-    frames: int
-    """Frames simulated."""
+    points: Float[np.ndarray, "vertex 3"]  # where the vertices ended [cm]
+    frames: int  # frames simulated
     speeds: Float[np.ndarray, " frame"]
     """How far the vertices went in each frame, per time, their mean [cm/s]. Chatter within a
     frame that leads nowhere, as between two thighs, is not motion."""
-    settled: bool
-    """Whether the cloth came to rest."""
+    settled: bool  # whether the cloth came to rest
 
 
 def solve(
@@ -137,17 +116,19 @@ def solve(
     assert np.isfinite(start).all() and len(rest.vertex_area) == count
     assert not rest.edges.size or 0 <= rest.edges.min() <= rest.edges.max() < count
     model, schedule = _model(rest, field, fabric, attachment, with_friction, settings)
-    rates = Rates(*(getattr(settings, name) for name in Rates._fields))
+    rates = kernels.Rates(*(getattr(settings, name) for name in kernels.Rates._fields))
     points = np.array(start, dtype=float, order="C")
     speeds = np.zeros(settings.max_frames)
     # No motion, no contact yet (planes at minus infinity), and no lift.
     planes = np.tile([0.0, 0.0, 0.0, -np.inf], (count, 1))
-    state = SolverState(np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count))
+    state = kernels.SolverState(
+        np.zeros((count, 3)), planes, np.zeros(count, np.int64), np.zeros(count)
+    )
     settled, frames = False, 0
     span = settings.max_frames if watch is None else WATCHED_FRAMES
     while frames < settings.max_frames and not settled:
         ahead = (frames, min(frames + span, settings.max_frames))
-        frames, settled = simulate(points, speeds, ahead, state, model, schedule, rates)
+        frames, settled = kernels.simulate(points, speeds, ahead, state, model, schedule, rates)
         if watch is not None:
             watch(frames, settings.max_frames)
     return Motion(points, frames, speeds[:frames], bool(settled))
@@ -168,7 +149,7 @@ def _model(
     attachment: Attachment | None,
     with_friction: Int[np.ndarray, " k"] | None,
     settings: SolverSettings,
-) -> tuple[Model, Schedule]:
+) -> tuple[kernels.Model, kernels.Schedule]:
     """Springs, masses and steps of a cloth, its inertia raised where a step would be unstable."""
     count = len(rest.vertex_area)
     # So equilateral triangles are a sheet of the fabric's stretch and of Poisson's ratio 1/3.
@@ -176,7 +157,7 @@ def _model(
     weight = np.maximum(fabric.weight * rest.vertex_area, 1e-12)
     pull = np.bincount(rest.edges.ravel(), np.repeat(stiffness, 2), minlength=count)
     substeps = _substeps(pull / weight, settings.max_substeps)
-    step = FRAME / substeps
+    step = kernels.FRAME / substeps
     # The flat triangles, each with its first corner at the origin.
     sides = np.linalg.inv(rest.inverse).transpose(0, 2, 1)
     flat = np.concatenate([np.zeros((len(sides), 1, 2)), sides], axis=1)
@@ -188,17 +169,17 @@ def _model(
     inertia = np.maximum(weight, step**2 * stable)
     has_friction = np.zeros(count, bool)
     has_friction[[] if with_friction is None else with_friction] = True
-    model = Model(
-        Triangles(rest.faces.astype(np.int64), MAX_LIFT * _side_lengths(rest, count)),
-        Springs(rest.edges.astype(np.int64), rest.length, stiffness),
-        Bending(bending.indptr, bending.indices, bending.data),
-        Masses(1.0 / inertia, weight / inertia),
+    model = kernels.Model(
+        kernels.Triangles(rest.faces.astype(np.int64), MAX_LIFT * _side_lengths(rest, count)),
+        kernels.Springs(rest.edges.astype(np.int64), rest.length, stiffness),
+        kernels.Bending(bending.indptr, bending.indices, bending.data),
+        kernels.Masses(1.0 / inertia, weight / inertia),
         _pins(attachment, inertia, step),
         has_friction,
-        Field(field.values, field.origin, 1.0 / field.cell),
-        Material(fabric.thickness, fabric.friction, fabric.damping),
+        kernels.Field(field.values, field.origin, 1.0 / field.cell),
+        kernels.Material(fabric.thickness, fabric.friction, fabric.damping),
     )
-    return model, Schedule(settings.gather_frames, settings.min_frames, substeps, refresh)
+    return model, kernels.Schedule(settings.gather_frames, settings.min_frames, substeps, refresh)
 
 
 def _side_lengths(rest: Rest, count: int) -> Float[np.ndarray, " vertex"]:
@@ -210,19 +191,21 @@ def _side_lengths(rest: Rest, count: int) -> Float[np.ndarray, " vertex"]:
 
 def _substeps(frequency: Float[np.ndarray, " vertex"], max_substeps: int) -> int:
     """Steps a frame that keep most vertices stable with no added inertia."""
-    needed = FRAME * sqrt(float(np.percentile(frequency, STABLE_PERCENT)) / STABLE)
+    needed = kernels.FRAME * sqrt(float(np.percentile(frequency, STABLE_PERCENT)) / STABLE)
     return min(max(ceil(needed), 2), max_substeps)
 
 
 def _refresh(frequency: Float[np.ndarray, " vertex"], step: float) -> int:
     """Steps for which bending forces may be kept with no added inertia of most vertices."""
     stiffest = float(np.percentile(frequency, STABLE_PERCENT))
-    return int(min(max(sqrt(BEND_STABLE / max(stiffest, MIN_LENGTH)) / step, 1), MAX_REFRESH))
+    return int(
+        min(max(sqrt(BEND_STABLE / max(stiffest, kernels.MIN_LENGTH)) / step, 1), MAX_REFRESH)
+    )
 
 
 def _pins(
     attachment: Attachment | None, inertia: Float[np.ndarray, " vertex"], step: float
-) -> Pins:
+) -> kernels.Pins:
     """Springs to the targets as an implicit step solves them: h^2 k / m over one more than that."""
     if attachment is None:
         attachment = Attachment(np.zeros(0, int), np.zeros((0, 3)), np.zeros((0, 3)))
@@ -231,4 +214,4 @@ def _pins(
     share = 1.0 - 1.0 / (1.0 + strength)
     max_shift = attachment.max_force * step**2 / inertia[vertices]
     targets = np.ascontiguousarray(attachment.targets, dtype=float)
-    return Pins(vertices, targets, share, max_shift)
+    return kernels.Pins(vertices, targets, share, max_shift)

@@ -83,8 +83,7 @@ DEPTH_END = 0.25
 class _Hold:
     """How far up an item of clothing goes, and what holds it there."""
 
-    shift_up: float
-    """How far up it was moved in all, after scaling [cm]."""
+    shift_up: float  # how far up it was moved in all, after scaling [cm]
     edges: tuple[Side, ...]
     """The edges that are worn at its level: the free edges at its top, as a rule."""
     level: float
@@ -93,8 +92,7 @@ class _Hold:
     """Length of its top edge or, strapless, how wide it is under it, where it is tightest [cm]."""
     girth: float = 0.0
     """How far round the body is at its waist, or at the chest where it should hold [cm]."""
-    is_supported: bool = False
-    """Whether its top edge can hold it there."""
+    is_supported: bool = False  # whether its top edge can hold it there
     drawn_length: float = 0.0
     """Length to which a belt or an elastic draws its top edge together [cm]; 0 not at the waist."""
 
@@ -104,20 +102,14 @@ class Placement(_Hold):
     """Where an item of clothing was put on a body, and what holds it there."""
 
     site: SupportSite
-    reason: str
-    """How that was recognised, as a clause."""
+    reason: str  # how that was recognised, as a clause
     is_certain: bool
     """Whether the garment itself shows it; otherwise only the height in its file did."""
-    panels: frozenset[str]
-    """Names of its panels."""
-    seams: tuple[Side, ...]
-    """The sides of its shoulder seams."""
-    shift_forward: float
-    """How far it was moved to the front [cm]."""
-    shift_left: float
-    """How far it was moved to the wearer's left, as the whole pattern was [cm]."""
-    scale: float
-    """What its lengths were multiplied by."""
+    panels: frozenset[str]  # names of its panels
+    seams: tuple[Side, ...]  # the sides of its shoulder seams
+    shift_forward: float  # how far it was moved to the front [cm]
+    shift_left: float  # how far it was moved to the wearer's left, as the whole pattern was [cm]
+    scale: float  # what its lengths were multiplied by
 
 
 def place_on_body(

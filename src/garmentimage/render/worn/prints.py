@@ -25,12 +25,9 @@ _OCTAVES = ((2, 0.5), (8, 0.35), (32, 0.6), (128, 0.8))
 class Print:
     """A repeating tile."""
 
-    tile: Float[np.ndarray, "row col 3"]
-    """Colours [sRGB, 0 to 1]."""
-    width: float
-    """Width of the tile on the cloth [cm]."""
-    height: float
-    """Height of the tile on the cloth [cm]."""
+    tile: Float[np.ndarray, "row col 3"]  # colours [sRGB, 0 to 1]
+    width: float  # width of the tile on the cloth [cm]
+    height: float  # height of the tile on the cloth [cm]
 
     def __post_init__(self) -> None:
         if not (0 < self.width < np.inf and 0 < self.height < np.inf):
