@@ -73,7 +73,7 @@ class Support:
 
     site: SupportSite
     reason: str  # how it was recognised, as a clause
-    is_certain: bool  # Whether the garment itself shows it; otherwise the height in its file did
+    is_certain: bool  # whether the garment itself shows it; otherwise the height in its file did
     edges: tuple[WorldEdge, ...]  # the free edges at its top
     seams: tuple[ShoulderSeam, ...]  # its shoulder seams
     crotch: float | None  # height of its crotch [cm]

@@ -134,30 +134,25 @@ def connected_garments(pattern: Pattern) -> list[Pattern]:
 
 def openings_of(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> list[Opening]:
     """The openings of a garment."""
-    # The start of side k has the number 2 k, its end 2 k + 1; sewing makes ends one vertex.
+    # The start of side k has the number 2 k, its end 2 k + 1. Ends are joined where sides follow
+    # each other round a loop, where they are sewn, and along free edges.
     number = {side: 2 * k for k, side in enumerate(pattern.sides())}
-    ends: list[tuple[int, int]] = []
+    free = [e for p in panels.values() for e in p.edges if e.side not in pattern.partners]
+    joined = [(number[e.side], number[e.side] + 1) for e in free]
     for panel in pattern.panels:
         first = 0
         for loop in panel.loops:
             own = [number[Side(panel.name, first + k)] for k in range(len(loop.edges))]
-            ends += [(own[k - 1] + 1, own[k]) for k in range(len(own))]
+            joined += [(own[k - 1] + 1, own[k]) for k in range(len(own))]
             first += len(own)
     for stitch in pattern.stitches:
         a, b, turn = number[stitch.a], number[stitch.b], int(not stitch.same_direction)
-        ends += [(a, b + turn), (a + 1, b + 1 - turn)]
-    vertex = np.empty(2 * len(number), int)
-    for k, members in enumerate(connected_components(len(vertex), ends)):
-        vertex[members] = k
-    free = [e for p in panels.values() for e in p.edges if e.side not in pattern.partners]
-    starts = [int(vertex[number[e.side]]) for e in free]
-    lines = [(a, int(vertex[number[e.side] + 1])) for a, e in zip(starts, free, strict=True)]
+        joined += [(a, b + turn), (a + 1, b + 1 - turn)]
+    lines = connected_components(2 * len(number), joined)
+    line_of = {end: k for k, line in enumerate(lines) for end in line}
     found: dict[int, list[WorldEdge]] = {}
-    line_of = {
-        v: k for k, line in enumerate(connected_components(len(vertex), lines)) for v in line
-    }
-    for start, edge in zip(starts, free, strict=True):
-        found.setdefault(line_of[start], []).append(edge)
+    for edge in free:
+        found.setdefault(line_of[number[edge.side]], []).append(edge)
     return [Opening(tuple(edges)) for edges in found.values()]
 
 
