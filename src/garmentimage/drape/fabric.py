@@ -3,42 +3,36 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Annotated, get_type_hints
 
 from garmentimage.errors import DrapeError, quoted
 from garmentimage.system import did_you_mean
 
-_LIMITS = {
-    "stretch": (1e3, 1e7, "dyn/cm"),
-    "bend": (0.0, 1e5, "dyn cm"),
-    "weight": (1e-3, 1.0, "g/cm2"),
-    "friction": (0.0, 10.0, ""),
-    "thickness": (0.05, 2.0, "cm"),
-    "damping": (0.0, 100.0, "1/s"),
-}
-"""Bounds of each property with its unit, far beyond any real cloth."""
-
 
 @dataclass(frozen=True)
 class Fabric:
-    """A woven or knitted cloth, the same in all directions."""
+    """A woven or knitted cloth, the same in all directions.
 
-    stretch: float
+    Beside each field stand its bounds, far beyond any real cloth, and their unit.
+    """
+
+    stretch: Annotated[float, 1e3, 1e7, "dyn/cm"]
     """Tension per width at which it would double its length (Young's modulus times thickness)
     [dyn/cm]."""
-    bend: float
+    bend: Annotated[float, 0.0, 1e5, "dyn cm"]
     """Moment per width for a curvature of 1/cm [dyn cm]; 1 gf cm of a KES test is 981."""
-    weight: float
+    weight: Annotated[float, 1e-3, 1.0, "g/cm2"]
     """[g/cm2]; 0.01 is 100 g/m2."""
-    friction: float
+    friction: Annotated[float, 0.0, 10.0, ""]
     """Coefficient of friction on skin: tangent of the steepest slope on which it does not slide."""
-    thickness: float
+    thickness: Annotated[float, 0.05, 2.0, "cm"]
     """Least distance between the middle of the cloth and the skin [cm]."""
-    damping: float = 6.0
+    damping: Annotated[float, 0.0, 100.0, "1/s"] = 6.0
     """Share of the speed lost in air [1/s]."""
 
     def __post_init__(self) -> None:
-        for name, (low, high, unit) in _LIMITS.items():
-            value = getattr(self, name)
+        for name, hint in get_type_hints(Fabric, include_extras=True).items():
+            value, (low, high, unit) = getattr(self, name), hint.__metadata__
             if not low <= value <= high:
                 raise DrapeError(
                     f"a fabric's {name} is {value:g} {unit}; give {low:g} to {high:g} {unit}"

@@ -410,20 +410,18 @@ def _collide(points, state, full_friction, friction, has_friction, max_push):
         # Deep cloth comes out at a limited speed, which keeps its springs from bursting.
         push = min(depth, max_push)
         # Split the displacement into normal and tangential parts; the normal part is dropped.
-        along = x * displacement[i, 0] + y * displacement[i, 1] + z * displacement[i, 2]
-        slip_x = displacement[i, 0] - along * x
-        slip_y = displacement[i, 1] - along * y
-        slip_z = displacement[i, 2] - along * z
+        u = displacement[i]
+        along = x * u[0] + y * u[1] + z * u[2]
+        slip_x, slip_y, slip_z = u[0] - along * x, u[1] - along * y, u[2] - along * z
         slip = np.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
         mu = full_friction if has_friction[i] else friction
         kept = max(0.0, 1.0 - mu * push / (slip + MIN_LENGTH))
-        displacement[i, 0] = slip_x * kept
-        displacement[i, 1] = slip_y * kept
-        displacement[i, 2] = slip_z * kept
+        u[0], u[1], u[2] = slip_x * kept, slip_y * kept, slip_z * kept
         # The vertex has already moved by the whole slip, so what friction takes is undone here.
-        points[i, 0] += push * x - slip_x * (1.0 - kept)
-        points[i, 1] += push * y - slip_y * (1.0 - kept)
-        points[i, 2] += push * z - slip_z * (1.0 - kept)
+        lost = 1.0 - kept
+        _add(
+            points, i, push * x - slip_x * lost, push * y - slip_y * lost, push * z - slip_z * lost
+        )
 
 
 @njit(cache=True)
