@@ -113,7 +113,7 @@ def _without_twins(faces: Faces) -> Faces:
     ahead = faces[np.arange(len(faces)), (faces.argmin(axis=1) + 1) % 3] == order[:, 1]
     _, first, group = np.unique(order, axis=0, return_index=True, return_inverse=True)
     group = group.reshape(-1)
-    forward, backward = (np.bincount(group, way) for way in (ahead, ~ahead))
+    forward, backward = (np.bincount(group, turned) for turned in (ahead, ~ahead))
     if (forward == backward).mean() > TWINNED:
         return faces[np.sort(first)]
     cancelled = np.minimum(forward, backward)[group]
@@ -144,8 +144,8 @@ def mesh_edges(faces: Faces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _rim_edges(faces: Faces) -> Int[np.ndarray, "edge 2"]:
     """Directed edges that are used more often in one direction, once for each surplus use."""
-    ends, edge, way = mesh_edges(faces)
-    net = np.bincount(edge, way, minlength=len(ends)).astype(int)
+    ends, edge, direction = mesh_edges(faces)
+    net = np.bincount(edge, direction, minlength=len(ends)).astype(int)
     edges = np.repeat(ends, np.abs(net), axis=0)
     backwards = np.repeat(net < 0, np.abs(net))
     edges[backwards] = edges[backwards][:, ::-1]
@@ -159,15 +159,15 @@ def agreeing(faces: Faces) -> Faces:
     joined as they stand, others crosswise. So the triangles that agree with each other are one
     connected part of it.
     """
-    ends, edge, way = mesh_edges(faces)
+    ends, edge, direction = mesh_edges(faces)
     paired = np.bincount(edge, minlength=len(ends)) == 2
-    if not (paired & (np.bincount(edge, way, minlength=len(ends)) != 0)).any():
+    if not (paired & (np.bincount(edge, direction, minlength=len(ends)) != 0)).any():
         return faces
     order = np.argsort(edge, kind="stable")
     first, second = order[paired[edge[order]]].reshape(-1, 2).T
     count = len(faces)
     a, b = first % count, second % count
-    across = np.where(way[first] == way[second], count, 0)
+    across = np.where(direction[first] == direction[second], count, 0)
     joined = np.stack([np.r_[a, a + count], np.r_[b + across, b + count - across]], axis=1)
     part = component_labels(2 * count, joined)
     turned = part[:count] > part[count:]

@@ -26,7 +26,7 @@ from garmentimage.drape.world_panels import (
     crotch_of,
     girth_at,
     mean_height,
-    middle_depth,
+    midway_depth,
     openings_of,
 )
 from garmentimage.pattern import Pattern, Side, floor_shift
@@ -120,7 +120,7 @@ def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
 
 def _shoulder_seams(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> tuple[ShoulderSeam, ...]:
     """The highest seams between front and back of the trunk that face up."""
-    found, middle = [], middle_depth(panels)
+    found, middle = [], midway_depth(panels)
     for stitch in pattern.stitches:
         a, b = (panels[side.panel] for side in stitch.sides)
         if (a.centre[2] - middle) * (b.centre[2] - middle) >= 0:

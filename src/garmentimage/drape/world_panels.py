@@ -179,11 +179,11 @@ def _joins(pattern: Pattern, panels: Mapping[str, WorldPanel], side: Side) -> st
     (x, _, z), (u, _, w) = panels[side.panel].centre, panels[partner.panel].centre
     if x * u < 0 and min(abs(x), abs(u)) > MIDDLE:
         return "sides"
-    middle = middle_depth(panels)
+    middle = midway_depth(panels)
     return "inseam" if (z - middle) * (w - middle) < 0 else "other"
 
 
-def middle_depth(panels: Mapping[str, WorldPanel]) -> float:
+def midway_depth(panels: Mapping[str, WorldPanel]) -> float:
     """Depth halfway between the panels furthest in front and furthest behind [cm]."""
     depths = [float(panel.centre[2]) for panel in panels.values()]
     return (min(depths) + max(depths)) / 2
