@@ -40,9 +40,7 @@ ON_EDGE = 1e-9  # how far outside a triangle, as a share of it, a line still hit
 Flat = Float[np.ndarray, "point 2"]
 Vector2 = Float[np.ndarray, " 2"]
 
-ACROSS = np.array([1.0, 0.0, 0.0])
-UP = np.array([0.0, 1.0, 0.0])
-FORWARD = np.array([0.0, 0.0, 1.0])
+ACROSS, UP, FORWARD = np.eye(3)
 
 
 def measure(body: Body) -> BodyMeasurements:

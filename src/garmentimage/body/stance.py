@@ -20,10 +20,9 @@ TURNED_BELOW_CROTCH = 6.0
 HANDS = 35.0  # skin farther than this from the middle does not belong to a leg [cm]
 BETWEEN = 3.0
 """Skin nearer to the middle than this turns less, in the middle not at all [cm]."""
-BODIES_KEPT = 16  # bodies whose stance is remembered
 
 
-@lru_cache(maxsize=BODIES_KEPT)
+@lru_cache(maxsize=16)
 def stand_straight(body: Body) -> Body:
     """The body with its legs turned in about the hip joints until nearly upright.
 

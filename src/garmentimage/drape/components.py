@@ -57,9 +57,7 @@ def garment_items(
 
     Skirts, trousers and strapless clothes come first and what hangs (tops) over them, or after them
     where the top is `tucked` in. Of two that are alike, the one whose front and back are drawn
-    closer together comes first, or the one with less cloth.
-
-    Vertices begin at `start`, round the body [cm].
+    closer together comes first, or the one with less cloth. Vertices begin at `start` [cm].
     """
     faces = cloth.vertex_faces
     label = component_labels(cloth.vertex_count, faces[:, [0, 1, 1, 2]].reshape(-1, 2))

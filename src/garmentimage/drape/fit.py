@@ -37,14 +37,9 @@ CHEST_SIDE = 0.9
 """Round the chest the tape goes no farther out than this share of the shoulder joint's distance
 from the middle: lifted arms pull the skin there outwards."""
 ORDER = (
-    "mean-female",
-    "slim-female",
-    "tall-slim-female",
-    "short-round-female",
-    "mean-male",
-    "tall-slim-male",
-    "short-round-male",
-)
+    "mean-female", "slim-female", "tall-slim-female", "short-round-female",
+    "mean-male", "tall-slim-male", "short-round-male",
+)  # fmt: skip
 """Shipped bodies in the order in which they are tried: the templates of others are drawn for
 women."""
 STRETCH_ALLOWANCE = 0.03

@@ -38,9 +38,7 @@ DRAPE_FORMATS = (".glb", ".obj", ".ply")  # endings of files that a draped garme
 
 
 def save_drape(path: str | os.PathLike[str], garment: DrapedGarment, *, body: bool = True) -> None:
-    """Write a draped garment; the ending of the name says in which format.
-
-    The name ends in `.glb`, `.obj` or `.ply`; a PLY never holds the body.
+    """Write a draped garment as `.glb`, `.obj` or `.ply`; a PLY never holds the body.
 
     Raises:
         OutputError: another ending, or a file that cannot be written.

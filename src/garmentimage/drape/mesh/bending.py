@@ -43,9 +43,8 @@ def _hinges(
 ) -> tuple[Int[np.ndarray, "hinge 4"], Float[np.ndarray, "hinge 4"], Float[np.ndarray, " hinge"]]:
     """Pairs of triangles that share an edge of exactly two triangles.
 
-    Returns:
-        The four vertices (ends of the edge, those across it); the cotangents of the angles at the
-        edge's two ends in the first triangle and in the second; the area of both triangles [cm2].
+    Their four vertices (ends of the edge, those across it); the cotangents of the angles at the
+    edge's two ends in the first triangle and in the second; the area of both [cm2].
     """
     cotangents, areas = _cotangents(flat)
     start, end = faces, np.roll(faces, -1, axis=1)

@@ -1,7 +1,6 @@
 """What a solver needs to know of a cloth at rest, taken from the flat panels once.
 
-An **edge** is a pair of vertices that a side of a triangle joins, counted once where triangles
-share it.
+An **edge** is a pair of vertices that sides of triangles join.
 """
 
 from dataclasses import dataclass
@@ -34,11 +33,7 @@ class Rest:
     """Inverse of the matrix whose columns go from a flat triangle's first corner to the others."""
 
     def part(self, vertices: Int[np.ndarray, " n"]) -> "Rest":
-        """Only these vertices, numbered in their order, and the triangles between them.
-
-        Args:
-            vertices: in rising order; all or none of each triangle's.
-        """
+        """Only these vertices, in rising order, and their triangles; all or none of each one's."""
         number = np.full(len(self.vertex_area), -1)
         number[vertices] = np.arange(len(vertices))
         faces, edges = number[self.faces], number[self.edges]

@@ -1,7 +1,4 @@
-"""Stand-up collars begin as a ring round the neck.
-
-Drawn flat, the front of a wide collar begins before the chin, which would hold it up.
-"""
+"""Stand-up collars begin as a ring round the neck, as the chin would hold up a flat front."""
 
 import numpy as np
 

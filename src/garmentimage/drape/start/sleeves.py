@@ -1,8 +1,4 @@
-"""Sleeves begin along the arms.
-
-Panels that lie wholly beyond a shoulder turn and move in the picture plane, until their middle line
-is the arm's.
-"""
+"""Sleeves begin along the arms: panels that lie wholly beyond a shoulder."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int

@@ -4,9 +4,7 @@ Patterns are drawn for bodies that hold their arms and legs otherwise than ours:
 or 45 degrees down, legs 20 degrees apart or together. A limb that begins outside of its sleeve or
 trouser leg would remain outside. So before the panels are sewn, sleeves are laid along the arms
 (`sleeves`), collars round the neck (`collars`), wide skirts hung (`skirts`), and trousers laid
-along the legs (`legs`).
-
-This moves where the cloth begins, not what it is: at rest it is as long as the flat panels are.
+along the legs (`legs`). At rest the cloth is as long as the flat panels all the same.
 """
 
 from collections.abc import Sequence
@@ -26,10 +24,7 @@ from garmentimage.drape.start.sleeves import lay_sleeve
 def start_points(
     cloth: Cloth, body: Body, placements: Sequence[Placement] = ()
 ) -> Float[np.ndarray, "vertex 3"]:
-    """Where every vertex begins: halfway between the corners that are sewn into it [cm].
-
-    The panels of the cloth already lie where the body wears them.
-    """
+    """Where every vertex of placed panels begins: halfway between the corners sewn into it [cm]."""
     corners = np.empty((len(cloth.flat), 3))
     for k, panel in enumerate(cloth.pattern.panels):
         own = cloth.panel == k

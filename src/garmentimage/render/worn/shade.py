@@ -9,16 +9,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Float32, Int, Int32
 
-from garmentimage.render.worn._kernels_shade import (
-    Dye,
-    Maps,
-    PictureRays,
-    ShadowMap,
-    Shape,
-    find_lit_share,
-    find_open_share,
-    map_nearest,
-)
+from garmentimage.render.worn import _kernels_shade as kernels
 from garmentimage.render.worn._kernels_zbuffer import Screen, draw_lines
 from garmentimage.render.worn.camera import Camera
 from garmentimage.render.worn.light import Light
@@ -42,10 +33,10 @@ SHADOW_SIZES = (128, 512)  # smallest and largest picture taken from the light [
 SHADOW_WIDENED = 1.25  # its extent over that of the picture: what lies beyond casts no shadow
 
 
-def shape_of(surface: Surface, camera: Camera) -> Shape:
+def shape_of(surface: Surface, camera: Camera) -> kernels.Shape:
     """A surface as a camera sees it."""
     depth, normals = _still_turned(surface, camera) if surface.still else _turned(surface, camera)
-    return Shape(depth, normals, surface.faces, surface.ids)
+    return kernels.Shape(depth, normals, surface.faces, surface.ids)
 
 
 def _turned(
@@ -59,31 +50,33 @@ def _turned(
 _still_turned = lru_cache(maxsize=MAX_CACHED)(_turned)
 
 
-def dye_of(surface: Surface, sample: float) -> Dye:
+def dye_of(surface: Surface, sample: float) -> kernels.Dye:
     """Colours of a surface, and its print at the size of a sample [cm]; plain where it has none."""
     printed = surface.cloth_print
     if printed is None or surface.flat is None:
-        return Dye(surface.light, np.zeros((0, 3, 2)), np.zeros((1, 1, 3), np.float32), 1.0, 1.0)
+        return kernels.Dye(
+            surface.light, np.zeros((0, 3, 2)), np.zeros((1, 1, 3), np.float32), 1.0, 1.0
+        )
     tile = light_tile(printed, sample)
-    return Dye(surface.light, surface.flat, tile, printed.width, printed.height)
+    return kernels.Dye(surface.light, surface.flat, tile, printed.width, printed.height)
 
 
 def maps_of(
-    shapes: Sequence[Shape], seen: Visible, pixels: Int32[np.ndarray, "pixel 4"], size: int
-) -> Maps:
+    shapes: Sequence[kernels.Shape], seen: Visible, pixels: Int32[np.ndarray, "pixel 4"], size: int
+) -> kernels.Maps:
     """Depth, normal and panel of what lies nearest in each pixel."""
-    maps = Maps(
+    maps = kernels.Maps(
         np.full((size, size), np.inf, np.float32),
         np.zeros((size, size, 3), np.float32),
         np.full((size, size), NO_SURFACE, np.int16),
     )
     for number, shape in enumerate(shapes, start=1):
-        map_nearest(number, pixels, seen, shape, maps)
+        kernels.map_nearest(number, pixels, seen, shape, maps)
     return maps
 
 
 def open_share_of(
-    pixels: Int32[np.ndarray, "pixel 4"], maps: Maps, camera: Camera, light: Light
+    pixels: Int32[np.ndarray, "pixel 4"], maps: kernels.Maps, camera: Camera, light: Light
 ) -> Float32[np.ndarray, "row col"]:
     """Share of the light from all round that reaches each pixel."""
     size = len(maps.depth)
@@ -92,7 +85,7 @@ def open_share_of(
         pixel = camera.extent / size
         rings, spokes = AO_PROBES if size >= SMALL else SMALL_AO_PROBES
         probes = _pixel_probes(max(1.5, AO_RADIUS / pixel), rings, spokes)
-        find_open_share(pixels, maps, probes, pixel, AO_RADIUS, light.occlusion, share)
+        kernels.find_open_share(pixels, maps, probes, pixel, AO_RADIUS, light.occlusion, share)
     return share
 
 
@@ -122,11 +115,11 @@ def lit_share_of(
     scale = span / lamp.extent
     slope = 0.0 if camera.distance is None else 1 / camera.distance
     softening = probe_offsets(SHADOW_SOFTNESS * scale, *SHADOW_PROBES)
-    find_lit_share(
+    kernels.find_lit_share(
         pixels,
         depth,
-        PictureRays(slope, camera.extent, camera.stand),
-        ShadowMap(from_lamp.near, lamp.axes @ camera.axes.T, scale, lamp.stand, softening),
+        kernels.PictureRays(slope, camera.extent, camera.stand),
+        kernels.ShadowMap(from_lamp.near, lamp.axes @ camera.axes.T, scale, lamp.stand, softening),
         light.shadow,
         share,
     )
