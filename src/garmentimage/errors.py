@@ -9,7 +9,7 @@
     ├── DecodeError             a raster that no garment can be read from (ValueError)
     ├── DraftError              a body or a design that no garment can be drafted from (ValueError)
     ├── DrapeError              a garment that the body cannot wear, or a bad drape (ValueError)
-    ├── RenderError             a picture that cannot be made as asked (ValueError)
+    ├── RenderError             a picture that cannot be made as requested (ValueError)
     ├── DatasetError            a recipe, or a dataset that cannot be built or read (ValueError)
     ├── LearnError              an invalid training run, network or latent vector (ValueError)
     └── OutputError             a result that cannot be written where it should go (OSError)
@@ -69,7 +69,7 @@ class DrapeError(GarmentImageError, ValueError):
 
 
 class RenderError(GarmentImageError, ValueError):
-    """A picture that cannot be made as asked."""
+    """A picture that cannot be made as requested."""
 
 
 class DatasetError(GarmentImageError, ValueError):
@@ -81,7 +81,7 @@ class LearnError(GarmentImageError, ValueError):
 
 
 class OutputError(GarmentImageError, OSError):
-    """A result that cannot be written where it was asked for."""
+    """A result that cannot be written to the given path."""
 
 
 class PatternWarning(UserWarning):

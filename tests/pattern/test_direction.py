@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from garmentimage import draft_pattern
 from garmentimage.compare.comparison import compare_patterns
 from garmentimage.pattern.direction import outward, turned_round
-from garmentimage.pattern.files.spec import read_spec
+from garmentimage.pattern.files.spec_reader import read_spec
 from garmentimage.pattern.files.spec_writer import pattern_to_spec
 
 KINDS = ("tee", "skirt", "pants", "one-panel-dress")

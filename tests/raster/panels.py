@@ -2,6 +2,7 @@
 
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
+from garmentimage.raster.frame import BodyFrame
 
 BOTTOM, RIGHT, TOP, LEFT = range(4)
 """Edges of `rectangle`, counter-clockwise."""
@@ -10,6 +11,12 @@ BACK = (0.0, 180.0, 0.0)
 """Rotation of a panel that faces back."""
 LEFT_SIDE = (0.0, 90.0, 0.0)
 """Rotation of a panel that faces the wearer's left, the right of a picture of the front."""
+
+
+def square_frame(grid: int, cell: float, *, left: float, bottom: float) -> BodyFrame:
+    """Square cells of `cell` cm whose lower left corner lies at (left, bottom) [cm]."""
+    columns, rows = (tuple(low + cell * k for k in range(grid + 1)) for low in (left, bottom))
+    return BodyFrame(columns, rows)
 
 
 def polygon(name, points, place, rotation=(0.0, 0.0, 0.0), holes=()):

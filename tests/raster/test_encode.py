@@ -20,9 +20,9 @@ from garmentimage.examples import example_path
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Loop, Panel, Pattern, Side, Stitch, loop_from_curves
 from garmentimage.raster.cells import label_panels
-from garmentimage.raster.frame import BodyFrame
 from tests.garments import garments
 from tests.raster.mirror import mirrored_pattern, mirrored_types
+from tests.raster.panels import square_frame
 
 slowly = settings(max_examples=15)
 
@@ -72,7 +72,7 @@ def test_a_mirrored_garment_gives_the_mirrored_image(garment):
 @given(garments(), st.sampled_from([1, 2]))
 def test_under_a_fixed_frame_a_garment_moved_by_a_cell_gives_the_moved_image(garment, cells):
     cell = 10.0
-    frame = BodyFrame.uniform(24, cell, left=-12 * cell, bottom=-3 * cell)
+    frame = square_frame(24, cell, left=-12 * cell, bottom=-3 * cell)
     moved = tuple(
         replace(
             p, translation=(p.translation[0], p.translation[1] + cells * cell, p.translation[2])
@@ -123,7 +123,7 @@ def _square(name: str, x: float, y: float, z: float, size: float = 30.0) -> Pane
 
 
 def test_a_square_on_the_grid_keeps_its_cells_own_edges():
-    frame = BodyFrame.uniform(16, 10.0, left=-80.0, bottom=0.0)
+    frame = square_frame(16, 10.0, left=-80.0, bottom=0.0)
     image = encode(Pattern((_square("patch", 10.0, 100.0, 20.0),)), frame=frame)
     assert image.inside.sum() == 9
     assert image.inside[0, 10:13, 9:12].all()

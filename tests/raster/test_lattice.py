@@ -24,6 +24,7 @@ from garmentimage.raster.encode.layout.solve import layouts
 from garmentimage.raster.encode.placement import place
 from garmentimage.raster.frame import BodyFrame
 from tests.garments import garments
+from tests.raster.panels import square_frame
 
 slowly = settings(max_examples=12)
 FINE = 8
@@ -107,7 +108,7 @@ def test_compaction_without_room_says_so():
 def test_panels_far_off_the_body_are_refused_by_their_spread():
     near = _rectangle("near", 40.0, 40.0)
     far = replace(_rectangle("far", 40.0, 40.0), translation=(9e5, 100.0, 20.0))
-    frame = BodyFrame.uniform(16, 10.0, left=-80.0, bottom=0.0)
+    frame = square_frame(16, 10.0, left=-80.0, bottom=0.0)
     drawing = drawing_of(first_layout(Pattern((near, far))), frame)
     with pytest.raises(EncodeError, match="units"):
         lattice_paths(drawing, FINE, 5.0)

@@ -26,12 +26,7 @@ def surely_same(
 ) -> bool:
     """Whether `compare_patterns` would succeed, each panel paired under its own name.
 
-    False is inconclusive: only `compare_patterns` decides then.
-
-    Args:
-        original: the pattern that should be.
-        decoded: the pattern that is.
-        graphs: stitch graphs of both.
+    False is inconclusive: only `compare_patterns` decides then. `graphs` are those of both.
     """
     names = [panel.name for panel in original.panels]
     if sorted(names) != sorted(panel.name for panel in decoded.panels) or stitch_faults(decoded):

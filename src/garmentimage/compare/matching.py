@@ -95,11 +95,8 @@ def match_panels(
 ) -> Matching:
     """Pair the panels of two patterns by shape and placement (Hungarian method).
 
-    Args:
-        a: the pattern that is looked for.
-        b: the pattern that was found.
-        by_name: panels of equal names are paired first, whatever their shape.
-        any_pose: allow each panel to be mirrored and turned by quarters.
+    With `by_name`, panels of equal names are paired first, whatever their shape; with `any_pose`,
+    each panel may be mirrored and turned by quarters.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -144,13 +141,9 @@ def panel_iou(a: Panel, b: Panel, *, any_pose: bool = False) -> float:
 def iou_matrix(
     a: Sequence[Panel], b: Sequence[Panel], *, any_pose: bool = False, floor: float = MIN_IOU
 ) -> Float[np.ndarray, "a b"]:
-    """Centroid-aligned IoU of every panel of `a` with every panel of `b`.
+    """Centroid-aligned IoU of every panel of `a` with every panel of `b`, in any pose in the best.
 
-    Args:
-        a: panels.
-        b: panels.
-        any_pose: the best of the eight poses instead of the pose as it is.
-        floor: pairs whose areas forbid an IoU of this much are not compared and count as 0.
+    Pairs whose areas forbid an IoU of `floor` are not compared and count as 0.
     """
     poses = TURNED + MIRRORED if any_pose else TURNED[:1]
     best: Float[np.ndarray, "a b"] = iou_by_pose(a, b, poses, floor=floor).max(axis=0)

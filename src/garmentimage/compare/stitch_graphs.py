@@ -325,17 +325,15 @@ class _Laying:
         if x.closed:
             return known
         size = self.a.panels[x.panel].size
-        return tuple(k for k in known if places_agree(x.middle, _posed(y.middle, k), size))
+        return tuple(
+            k for k in known if places_agree(x.middle, to_point(POSES[k] @ y.middle), size)
+        )
 
     def _alike(self, x: SeamSide, y: SeamSide) -> bool:
         return (
             (x.closed, x.gap_after, x.same_direction, x.loop > 0)
             == (y.closed, y.gap_after, y.same_direction, y.loop > 0)
         ) and (not self.check_lengths or lengths_agree(x.length, y.length))
-
-
-def _posed(point: Point, pose: int) -> Point:
-    return to_point(POSES[pose] @ point)
 
 
 def same_stitch_graph(
@@ -347,11 +345,8 @@ def same_stitch_graph(
 ) -> list[str]:
     """Why two stitch graphs differ under a given assignment of panels; empty where they agree.
 
-    Args:
-        a: the graph that should be; the reasons use its panel names.
-        b: the graph that is.
-        panel_map: panels of `a` -> panels of `b`.
-        poses: as in `match_graphs`.
+    `panel_map` has the panels of `a`, the graph that should be, whose names the reasons use, with
+    those of `b`; `poses` are as in `match_graphs`.
     """
     lonely = [f"panel {p!r} has no counterpart" for p in a.panels if p not in panel_map]
     found = set(panel_map.values())

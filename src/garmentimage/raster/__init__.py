@@ -1,4 +1,4 @@
-"""The raster: GarmentImage, its files, and the way from a pattern to it and back."""
+"""The raster: GarmentImage, its files, encoding of patterns to it and decoding."""
 
 import lazy_loader
 

@@ -101,7 +101,7 @@ def merge_corners(mask, edge_type, corners):
     return cells, corner_ids, lattice[:vertex_count].copy()
 
 
-# The boundary of a mesh: all sides of cells across which the cloth does not go on.
+# The boundary of a mesh: all sides of cells across which the cloth does not continue.
 @njit(cache=True)
 def find_half_edges(cells, corner_ids, vertex_count, edge_type):
     grid = edge_type.shape[1]

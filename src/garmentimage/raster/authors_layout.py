@@ -42,47 +42,30 @@ class ChannelOrder(StrEnum):
     AUTHORS = "authors"
 
 
-def to_authors(
-    image: GarmentImage, *, cell: float = AUTHORS_CELL_CM
-) -> Float64[np.ndarray, "34 x y"]:
+def to_authors(image: GarmentImage) -> Float64[np.ndarray, "34 x y"]:
     """The image as the authors store it.
 
-    Args:
-        image: two layers, any grid.
-        cell: side of the authors' cell [cm].
-
     Raises:
-        ImageError: the image has not just a front and a back layer.
+        ImageError: the image does not have two layers.
     """
     if image.layers != 2:
         raise ImageError(
             f"the authors' .npy holds two layers, this image has {image.layers}; save it as .npz"
         )
-    rest = _REST[:, :, None, None]
-    blocks = []
-    for layer in range(2):
-        inside = image.inside[layer].astype(np.float64)
-        moved = image.deformation[layer].astype(np.float64) / cell - rest
-        moved = np.where(image.inside[layer], moved, 0.0)[_VECTORS]
-        types = one_hot(image.edge_type[layer])[:, _TYPES].astype(np.float64)
-        blocks += [inside[None], moved.reshape(8, *inside.shape)]
-        blocks += [types.reshape(8, *inside.shape)]
-    return np.ascontiguousarray(np.concatenate(blocks).transpose(0, 2, 1))
+    moved = image.deformation.astype(np.float64) / AUTHORS_CELL_CM - _REST[:, :, None, None]
+    moved = np.where(image.inside[:, None, None], moved, 0.0)[:, _VECTORS]
+    types = one_hot(image.edge_type)[:, :, _TYPES]
+    # Joined as ours are, but their vectors stand where our types do, and the other way round.
+    joined = join_channels(image.inside, moved, types)
+    return np.ascontiguousarray(joined.transpose(0, 2, 1))
 
 
-def channels_from_authors(
-    array: np.ndarray, *, cell: float = AUTHORS_CELL_CM
-) -> Float[np.ndarray, "34 row col"]:
-    """An array in the authors' order as channels in ours; soft values stay soft.
-
-    Args:
-        array: [34, N, N], axes [channel, x, y].
-        cell: side of the authors' cell [cm].
-    """
+def channels_from_authors(array: Float[np.ndarray, "34 x y"]) -> Float[np.ndarray, "34 row col"]:
+    """An array in the authors' order as channels in ours; soft values stay soft."""
     array = np.asarray(array, dtype=np.float64).transpose(0, 2, 1)
     block = array.reshape(2, CHANNELS_PER_LAYER, *array.shape[1:])
     moved = block[:, 1:9].reshape(2, 4, 2, *array.shape[1:])[:, _VECTORS]
-    deformation = (moved + _REST[:, :, None, None]) * cell
+    deformation = (moved + _REST[:, :, None, None]) * AUTHORS_CELL_CM
     types = block[:, 9:].reshape(2, 2, EDGE_TYPE_COUNT, *array.shape[1:])[:, :, _TYPES]
     return join_channels(block[:, 0], types, deformation)
 

@@ -78,9 +78,7 @@ def cell_mesh(
 ) -> CellMesh:
     """The quad mesh of the cells in `mask`, corners merged through `NON_BOUNDARY` grid edges.
 
-    Args:
-        mask: cells of one cluster (or of several: clusters share no vertex).
-        edge_type: types of the bottom and left grid edges of that layer.
+    The cells may be those of one cluster or of several: clusters share no vertex.
     """
     assert edge_type.shape == (2, len(mask), len(mask)) == (2, *mask.shape)
     cells, corner_ids, lattice = merge_corners(

@@ -30,14 +30,9 @@ nothing draws that of logits to 1."""
 def resolve_channel_kind(
     flags: Float[np.ndarray, "layer row col"],
     types: Float[np.ndarray, "layer 2 4 row col"],
-    kind: ChannelKind | None = None,
+    kind: ChannelKind | None,
 ) -> ChannelKind:
-    """What numbers are, judged by all of them together, so that an outlier changes nothing.
-
-    Args:
-        flags: numbers for inside flags.
-        types: numbers for edge types.
-        kind: what they are said to be; then nothing is judged.
+    """The given kind; or what numbers are, judged by all of them, so that no outlier decides.
 
     Raises:
         ImageError: there is no such kind.

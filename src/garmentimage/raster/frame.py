@@ -59,14 +59,6 @@ class BodyFrame:
         columns = np.interp(lines, full_column, full_x)
         return cls(tuple(map(float, columns)), tuple(map(float, rows)))
 
-    @classmethod
-    def uniform(cls, grid: int, cell: float, *, left: float, bottom: float) -> "BodyFrame":
-        """Square cells of `cell` cm whose lower left corner lies at (left, bottom) [cm]."""
-        return cls(
-            tuple(left + cell * k for k in range(grid + 1)),
-            tuple(bottom + cell * k for k in range(grid + 1)),
-        )
-
     @property
     def grid(self) -> int:
         """Cells along each side, N."""

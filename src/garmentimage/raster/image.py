@@ -34,9 +34,6 @@ class EdgeType(IntEnum):
 BOTTOM, LEFT = 0, 1
 """Second index of `edge_type`: a cell stores its bottom and its left grid edge."""
 
-VECTORS = ("bottom", "right", "top", "left")
-"""Order of the four edge vectors; bottom and top point right, left and right point up."""
-
 Division = tuple[int, int, int, tuple[float, ...]]
 """(row, column) of a cell, its side (0 bottom, 1 right, 2 top, 3 left), and the shares of that grid
 edge, from its left or lower end, at which vertices lie inside an edge of the panel."""
@@ -75,7 +72,8 @@ class GarmentImage:
     edge_type: Int8[np.ndarray, "layer 2 row col"]
     """`EdgeType` of the bottom and left grid edge of each cell."""
     deformation: Float32[np.ndarray, "layer 4 2 row col"]
-    """(dx, dy) of the bottom, right, top and left edge vectors of each cell [cm], 0 outside."""
+    """(dx, dy) of the bottom, right, top and left edge vectors of each cell [cm], 0 outside. Bottom
+    and top point right, left and right point up."""
     frame: BodyFrame
     layer_names: tuple[str, ...] = ("front", "back")
     marks: tuple[PanelMark, ...] = ()

@@ -3,7 +3,7 @@
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -77,7 +77,7 @@ def _matrix(value: Any) -> tuple[tuple[float, ...], ...]:
 def _divisions(value: Any) -> tuple[Division, ...]:
     if not isinstance(value, list):
         raise ImageError("divisions are a list")
-    return tuple(_division(one) for one in value)
+    return tuple(map(_division, value))
 
 
 def _division(value: Any) -> Division:
@@ -108,25 +108,19 @@ _MARK_FIELDS: dict[str, Callable[[Any], Any]] = {
 def mark_from_json(value: Any, layers: int, grid: int) -> PanelMark:
     """A mark from its JSON object; fields that a later release may add are left out.
 
-    Args:
-        value: what the JSON text held.
-        layers: number of layers of the image.
-        grid: cells along each side.
-
     Raises:
         ImageError: a field is missing or is not what it should be.
     """
     if not isinstance(value, dict) or not {"name", "layer", "cell"} <= set(value):
         raise ImageError("a mark needs a name, a layer and a cell")
     known = {}
-    for field in fields(PanelMark):
-        if field.name in value:
-            try:
-                known[field.name] = _MARK_FIELDS[field.name](value[field.name])
-            except ImageError as error:
-                raise ImageError(
-                    f"mark {str(value['name'])[:40]!r}, {field.name}: {error}"
-                ) from None
+    for name, read in _MARK_FIELDS.items():
+        if name not in value:
+            continue
+        try:
+            known[name] = read(value[name])
+        except ImageError as error:
+            raise ImageError(f"mark {str(value['name'])[:40]!r}, {name}: {error}") from None
     mark = PanelMark(**known)
     if mark.layer >= layers or max(mark.cell) >= grid:
         raise ImageError(f"mark {mark.name[:40]!r} lies outside the grid")

@@ -29,10 +29,8 @@ def check_output(
 ) -> None:
     """Refuse an output path before any work is done for it.
 
-    Args:
-        out: where a result should go.
-        suffixes: endings that its name may have.
-        others: inputs and further outputs of the same call, which it must not overwrite.
+    Its name must have one of the suffixes; `others` are inputs and further outputs of the same
+    call, which it must not overwrite.
 
     Raises:
         OutputError: another ending, no such folder, a folder itself, or one of the others.

@@ -8,12 +8,9 @@ _MAX_SHOWN = 12
 
 
 def did_you_mean(name: str, names: Iterable[str], *, otherwise: str | None = None) -> str:
-    """The end of a message about a name that does not exist.
+    """The end of a message about a name that does not exist; `names` do.
 
-    Args:
-        name: what was given.
-        names: what there is.
-        otherwise: what to say where nothing is near; default: the names to choose from.
+    Where none of them is near, it is `otherwise`, by default the names to choose from.
 
     Example:
         >>> did_you_mean("skrit", ["skirt", "dress"])
@@ -32,7 +29,7 @@ def did_you_mean(name: str, names: Iterable[str], *, otherwise: str | None = Non
     return f"choose {join_words(shown)}" if shown else "there are none to choose from"
 
 
-def join_words(things: Iterable[object], word: str = "or") -> str:
+def join_words(things: Iterable[object]) -> str:
     """Things as a sentence lists them: a, b or c."""
     *most, last = map(str, things)
-    return f"{', '.join(most)} {word} {last}" if most else last
+    return f"{', '.join(most)} or {last}" if most else last

@@ -224,12 +224,7 @@ def _check_edge(edge: Edge, vertices: Sequence[Point], where: str) -> None:
 
 
 def check_side(side: Side, edge_counts: Mapping[str, int], where: str) -> None:
-    """Check that the side of a stitch exists.
-
-    Args:
-        side: as the stitch names it.
-        edge_counts: the number of edges of each panel, by its name.
-        where: what the message calls the stitch or the side.
+    """Check that the side of a stitch, named `where` in the message, is an edge of a panel.
 
     Raises:
         StitchError: there is no such panel, or no such edge.

@@ -13,11 +13,11 @@ SAME_LENGTH = 0.05
 MIN_MISSING = 0.1
 """A free edge that is a smaller share of the longer side is not a forgotten half."""
 SMOOTH = 0.94
-"""Least cosine between edges that go on as one, 20 degrees."""
+"""Least cosine between edges that continue each other, 20 degrees."""
 
 
 def half_sewn_findings(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:
-    """Stitches of which the shorter side goes on as a free edge that makes up the difference.
+    """Stitches whose shorter side continues as a free edge that makes up the difference.
 
     Args:
         pattern: one that passes `check_structure`.
@@ -48,9 +48,9 @@ def _forgotten(pattern: Pattern, stitch: Stitch) -> Side | None:
     if missing < MIN_MISSING * whole:
         return None
     panel = pattern.by_name[short.panel]
-    if short.edge >= len(panel.outline.edges):
-        return None
     count = len(panel.outline.edges)
+    if short.edge >= count:
+        return None
     for step in (1, -1):
         beside = Side(short.panel, (short.edge + step) % count)
         length = pattern.curve(beside).length

@@ -67,9 +67,7 @@ def off_centre(pattern: Pattern) -> Finding | None:
 def _panel_points(pattern: Pattern) -> list[Float[np.ndarray, "_ 3"]]:
     """Points along the edges of every panel, in the world [cm]."""
     return [
-        panel.to_world(
-            np.concatenate([curve.at(SHARES) for loop in panel.loops for curve in loop.curves])
-        )
+        panel.to_world(np.concatenate([curve.at(SHARES) for curve in panel.curves]))
         for panel in pattern.panels
     ]
 
@@ -86,15 +84,10 @@ def _candidates(panels: list[Float[np.ndarray, "_ 3"]]) -> list[float]:
     low = np.array([p.min(axis=0) for p in panels])
     high = np.array([p.max(axis=0) for p in panels])
     i, j = np.array(list(combinations_with_replacement(range(len(panels)), 2))).T
-    apart = np.concatenate(
-        [
-            (low[i] - low[j])[:, 1:],
-            (high[i] - high[j])[:, 1:],
-            (high[i] - low[i] - high[j] + low[j])[:, :1],
-        ],
-        axis=1,
-    )
-    alike = np.abs(apart).max(axis=1) < MIRROR_TOL
+    # The same heights and depths, and the same width.
+    apart = [(low[i] - low[j])[:, 1:], (high[i] - high[j])[:, 1:]]
+    apart.append((high[i] - low[i] - high[j] + low[j])[:, :1])
+    alike = np.abs(np.concatenate(apart, axis=1)).max(axis=1) < MIRROR_TOL
     planes = (low[i] + high[j])[alike, 0] / 2
     _, first = np.unique(planes.round(1), return_index=True)
     found: list[float] = planes[first].tolist()

@@ -8,11 +8,11 @@ from .spec import (
     pattern_from_spec as pattern_from_spec,
     pattern_text as pattern_text,
     read_pattern as read_pattern,
-    read_spec as read_spec,
     save_pattern as save_pattern,
 )
 from .spec_reader import (
     CM_PER_METRE as CM_PER_METRE,
+    read_spec as read_spec,
 )
 from .spec_writer import (
     pattern_to_spec as pattern_to_spec,

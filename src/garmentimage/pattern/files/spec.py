@@ -26,14 +26,8 @@ from pathlib import Path
 from typing import Any
 
 from garmentimage.errors import PatternError, PatternFileError, PatternWarning, check_type
-from garmentimage.pattern.files.json_file import (
-    LongInteger,
-    capped_integer,
-    check_nesting,
-    parse,
-    read_bytes,
-)
-from garmentimage.pattern.files.spec_reader import read_values
+from garmentimage.pattern.files.json_file import LongInteger, capped_integer, parse, read_bytes
+from garmentimage.pattern.files.spec_reader import read_spec
 from garmentimage.pattern.files.spec_writer import pattern_to_spec
 from garmentimage.pattern.finding import Finding
 from garmentimage.pattern.model import Pattern
@@ -76,16 +70,6 @@ def pattern_from_spec(data: Any, name: str = "") -> Pattern:
     for finding in found:
         warnings.warn(str(finding), PatternWarning, stacklevel=2)
     return pattern
-
-
-def read_spec(data: Any, name: str = "") -> tuple[Pattern, tuple[Finding, ...]]:
-    """The pattern that a parsed specification.json describes, and what was repaired or looks odd.
-
-    Raises:
-        PatternFileError, PatternError, StitchError: as `load_pattern`.
-    """
-    check_nesting(data)
-    return read_values(data, name)
 
 
 def save_pattern(pattern: Pattern, path: str | os.PathLike[str]) -> None:

@@ -23,6 +23,7 @@ from garmentimage.pattern.checks import (
     panel_place,
 )
 from garmentimage.pattern.direction import outward, turned_edge
+from garmentimage.pattern.files.json_file import check_nesting
 from garmentimage.pattern.files.values import (
     as_flag,
     as_integer,
@@ -74,12 +75,13 @@ PANEL_FIELDS = ("translation", "rotation", "vertices", "edges")
 KNOWN_PROPERTIES = ("curvature_coords", "normalize_panel_translation", "units_in_meter")
 
 
-def read_values(data: Any, name: str) -> tuple[Pattern, tuple[Finding, ...]]:
-    """The pattern that a parsed file describes, and what was repaired or looks odd.
+def read_spec(data: Any, name: str = "") -> tuple[Pattern, tuple[Finding, ...]]:
+    """The pattern that a parsed specification.json describes, and what was repaired or looks odd.
 
     Raises:
         PatternFileError, PatternError, StitchError: names the panel, the edge, the stitch.
     """
+    check_nesting(data)
     return _Reader().read(data, name)
 
 
@@ -94,13 +96,9 @@ class _Units:
     recentre: bool
     """Panels are to be moved to the mean of their vertices."""
 
-    def length(self, value: float) -> float:
-        """A length of the file in cm; numbers of cm files come through unchanged."""
-        return value if self.scale == 1 else value * self.scale
-
     def point(self, point: Point) -> Point:
         """A point of the file in cm."""
-        return self.length(point[0]), self.length(point[1])
+        return point[0] * self.scale, point[1] * self.scale
 
 
 @dataclass
@@ -218,7 +216,7 @@ class _Reader:
             loop, hole_order = self.loop(as_object(hole, f"{place}, hole {k}"), name, units, first)
             holes.append(loop)
             order = order + [first + number for number in hole_order]
-        tx, ty, tz = (units.length(v) for v in self.placement(data, "translation", place))
+        tx, ty, tz = (v * units.scale for v in self.placement(data, "translation", place))
         if units.recentre:
             middle = np.mean(outline.vertices, axis=0)
             outline, *holes = (_moved(loop, middle) for loop in (outline, *holes))
@@ -343,7 +341,7 @@ class _Reader:
             return Quadratic(control(params[0]))
         if kind == "cubic":
             return Cubic(control(params[0]), control(params[1]))
-        radius = units.length(as_number(params[0], f"{where}, radius"))
+        radius = as_number(params[0], f"{where}, radius") * units.scale
         large, right = (as_flag(v, f"{where}, curvature") for v in params[1:])
         if chord / 2 * (1 - ROUNDING_SHORTFALL) < radius < chord / 2 * (1 - ARC_TOL):
             self.note(

@@ -148,9 +148,8 @@ def _partners(image: GarmentImage, sides: Sequence[_ClusterSides]) -> Int[np.nda
         NONE,
     )
     opposite[kind[opposite] != EdgeType.FRONT_TO_BACK] = NONE
-    partner = np.where(kind == EdgeType.SIDE_BY_SIDE, beside, np.full(len(kind), NONE))
-    partner = np.where(kind == EdgeType.FRONT_TO_BACK, opposite, partner)
-    return partner
+    is_sewn = [kind == EdgeType.SIDE_BY_SIDE, kind == EdgeType.FRONT_TO_BACK]
+    return np.select(is_sewn, [beside, opposite], NONE)
 
 
 def close_slits(boundary: Boundary, clusters: Sequence[Cluster], chosen: set[int]) -> Boundary:
@@ -190,12 +189,10 @@ def join_parts(
         part_of: for each cluster the name of the panel that it is a part of, or None.
 
     Returns:
-        The boundary without the cuts, and for each cluster the cluster that it was joined to
-        (itself where none).
+        The boundary without the cuts, and for each cluster the one it was joined to, or itself.
     """
     whole = np.arange(len(part_of))
-    names = sorted({n for n in part_of if n is not None})
-    for name in names:
+    for name in sorted({n for n in part_of if n is not None}):
         members = [k for k, n in enumerate(part_of) if n == name]
         for second in members[1:]:
             cut = _nearest_seam(boundary, members[0], second, whole)

@@ -72,12 +72,7 @@ def with_divisions(
 ) -> Seams:
     """Edges divided at the vertices that the marks keep; both sides of a seam into as many parts.
 
-    Args:
-        seams: all loops, cut into edges.
-        boundary: its half-edges.
-        image: what they were read from.
-        clusters: its panels and parts of panels, in the order in which `trace_boundary` had them.
-        marks: the mark of each.
+    The clusters are in the order in which `trace_boundary` had them, each with its mark.
     """
     if not any(mark is not None and mark.divisions for mark in marks):
         return seams
@@ -86,11 +81,9 @@ def with_divisions(
     cuts = [_cuts(loop, along, lengths) for loop in seams.loops]
     for (i, a), (j, b) in seams.stitches:
         mine, theirs = cuts[i][a], cuts[j][b]
-        if len(mine) == len(theirs):
-            continue
-        if mine:
+        if mine and len(mine) != len(theirs):
             cuts[j][b] = [1 - share for share in reversed(mine)]
-        else:
+        elif theirs and not mine:
             cuts[i][a] = [1 - share for share in reversed(theirs)]
     loops, first = [], []
     for loop, own in zip(seams.loops, cuts, strict=True):

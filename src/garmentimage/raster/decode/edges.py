@@ -35,12 +35,9 @@ class Seams:
 
 
 def cut_into_edges(boundary: Boundary, loops: Sequence[Sequence[int]], straight: Set[int]) -> Seams:
-    """Cut every loop into edges; both sides of a seam at the same grid points.
+    """Cut every loop into edges, both sides of a seam at the same grid points.
 
-    Args:
-        boundary: all half-edges.
-        loops: `boundary.loops`.
-        straight: starts of runs that keep their chords.
+    The runs that start at the half-edges in `straight` keep their chords.
     """
     runs, order = _runs(boundary, loops)
     parts: dict[int, list[Part]] = {}

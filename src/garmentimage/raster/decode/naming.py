@@ -52,11 +52,7 @@ def panel_names(
 ) -> Mapping[int, str]:
     """A name for each panel, unique: its mark's, else one from its place.
 
-    Args:
-        image: gives the body frame.
-        clusters: all clusters of the image.
-        marks: the mark of each cluster.
-        whole: for each cluster the one that it was joined to; only those get names.
+    `whole` is for each cluster the one that it was joined to; only those get names.
     """
     names: dict[int, str] = {}
     taken: set[str] = set()

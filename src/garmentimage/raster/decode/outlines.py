@@ -109,12 +109,7 @@ class UnfoldedPanels:
 def unfold_simply(
     image: GarmentImage, layer_of: Sequence[int], meshes: Sequence[CellMesh]
 ) -> UnfoldedPanels:
-    """Unfold all clusters such that no outline crosses itself.
-
-    Args:
-        image: a consistent image.
-        layer_of: the layer of each cluster.
-        meshes: the cells of each cluster.
+    """Unfold all clusters, given their layers and cells, such that no outline crosses itself.
 
     Raises:
         DecodeError: an outline crosses itself whatever is tried.

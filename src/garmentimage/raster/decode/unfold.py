@@ -29,15 +29,13 @@ def unfold_cells(
     positions: Float[np.ndarray, "vertex 2"],
     weight: float = POSITION_WEIGHT,
 ) -> Float64[np.ndarray, "vertex 2"]:
-    """Vertex positions [cm] whose edges agree best with the edge vectors of all cells.
-
-    Paper: Eq. 2, with another weight, see `POSITION_WEIGHT`.
+    """Vertex positions [cm] whose edges agree best with the edge vectors of all cells (Eq. 2).
 
     Args:
         mesh: the quads of one panel.
         vectors: bottom, right, top and left edge vector of each cell [cm].
         positions: where the vertices would lie undeformed [cm].
-        weight: of the position term, per vertex.
+        weight: of the position term, per vertex; the paper's is another, see `POSITION_WEIGHT`.
     """
     from scipy.linalg import solveh_banded
 
@@ -58,11 +56,8 @@ def unfold_panel(
 ) -> Float64[np.ndarray, "vertex 2"]:
     """Vertices [cm] of the panel that a mesh of an image's cells stands for.
 
-    Args:
-        image: where the edge vectors are.
-        layer: of the cells.
-        mesh: the cells of one panel.
-        pull: how far the vectors are moved towards those of the grid: 1 gives the undeformed grid.
+    The edge vectors are moved towards those of the grid by the share `pull`: 1 gives the
+    undeformed grid.
     """
     rows, cols = mesh.cells.T
     positions = image.frame.to_body(mesh.lattice)

@@ -92,18 +92,11 @@ def with_neighbour_gain(
 
 
 def minimise_energy(
-    inside: Bool[np.ndarray, "layer row col"], flag_cost: np.ndarray, type_cost: np.ndarray
+    inside: Bool[np.ndarray, "layer row col"],
+    flag_cost: Float[np.ndarray, "2 layer row col"],
+    type_cost: Float[np.ndarray, "layer 2 4 row col"],
 ) -> tuple[Bool[np.ndarray, "layer row col"], np.ndarray]:
-    """Flags and types of least cost that agree, by local search from `inside`.
-
-    Args:
-        inside: where the search starts.
-        flag_cost: [2, layer, row, col], as `UnaryCosts.inside`.
-        type_cost: [layer, 2, 4, row, col], as `UnaryCosts.types`.
-    """
-    layers, grid, _ = inside.shape
-    assert flag_cost.shape == (2, layers, grid, grid)
-    assert type_cost.shape == (layers, 2, EDGE_TYPE_COUNT, grid, grid)
+    """Flags and types of least cost that agree, by local search from `inside`; see `UnaryCosts`."""
     inside = inside.copy()
     types = np.empty((len(inside), 2, *inside.shape[1:]), np.int8)
     for first in range(0, len(inside), 2):

@@ -122,11 +122,8 @@ def _fix_type(walls: list[Wall], kind: int, types: np.ndarray, cost: np.ndarray)
 def merge_thin_regions(inside: Flags, types: Types, unary: Costs, cost: Costs) -> int:
     """Merge thin regions across their weakest seam, where that is worth less than `RARE_COST`.
 
-    Args:
-        inside: flags.
-        types: edge types.
-        unary: costs of the types as the network gave them, untouched by other rules.
-        cost: what the types cost now.
+    What it is worth is judged by `unary`, the costs of the types as the network gave them; what is
+    decided is written to `cost`, what the types cost now.
 
     Returns:
         How many regions were merged.
