@@ -23,16 +23,7 @@ from garmentimage.compare.matching import (
     nearness,
 )
 from garmentimage.compare.stitch_graphs import StitchGraph, match_graphs, stitch_graph
-from garmentimage.pattern import (
-    Circle,
-    Cubic,
-    Curvature,
-    Loop,
-    Panel,
-    Pattern,
-    Quadratic,
-    euler_angles,
-)
+from garmentimage.pattern import Loop, Panel, Pattern, euler_angles, mirrored_curvature
 
 ALIKE = 0.02
 """Poses whose IoU is less by no more than this fit as well: how the panels stand decides."""
@@ -109,19 +100,8 @@ def _posed_loop(loop: Loop, pose: np.ndarray, *, mirrored: bool) -> Loop:
     points = (np.array(loop.vertices) @ pose.T).tolist()
     edges = loop.edges
     if mirrored:
-        edges = tuple(replace(edge, curvature=_mirrored(edge.curvature)) for edge in edges)
+        edges = tuple(replace(edge, curvature=mirrored_curvature(edge.curvature)) for edge in edges)
     return Loop(tuple((x, y) for x, y in points), edges)
-
-
-def _mirrored(curvature: Curvature) -> Curvature:
-    match curvature:
-        case Quadratic((x, y)):
-            return Quadratic((x, -y))
-        case Cubic((x, y), (u, v)):
-            return Cubic((x, -y), (u, -v))
-        case Circle(radius, large, right):
-            return Circle(radius, large, not right)
-    return None
 
 
 def _allowed(truth: Pattern, found: Pattern) -> Bool[np.ndarray, "pose truth found"]:

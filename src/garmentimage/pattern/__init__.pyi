@@ -24,6 +24,7 @@ from .model import (
     chord_count as chord_count,
     euler_angles as euler_angles,
     loop_from_curves as loop_from_curves,
+    mirrored_curvature as mirrored_curvature,
     polygon_of as polygon_of,
 )
 from .placement import (

@@ -257,6 +257,18 @@ def curvature_of(curve: Curve) -> Curvature:
     return None
 
 
+def mirrored_curvature(curvature: Curvature) -> Curvature:
+    """The curvature of an edge's mirror image, which runs the same way."""
+    match curvature:
+        case Quadratic((x, y)):
+            return Quadratic((x, -y))
+        case Cubic((x, y), (u, v)):
+            return Cubic((x, -y), (u, -v))
+        case Circle(radius, large, right):
+            return Circle(radius, large, not right)
+    return None
+
+
 def relative_control(start: Point, end: Point, control: Point) -> Point:
     """A control point in the coordinates of the edge from `start` to `end`."""
     ex, ey = end[0] - start[0], end[1] - start[1]

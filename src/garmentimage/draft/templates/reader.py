@@ -19,16 +19,7 @@ from garmentimage.draft.templates.parameter import (
     value_of,
 )
 from garmentimage.errors import PatternError, PatternFileError, quoted
-from garmentimage.pattern import (
-    Circle,
-    Cubic,
-    Curvature,
-    Loop,
-    Panel,
-    Pattern,
-    Quadratic,
-    euler_angles,
-)
+from garmentimage.pattern import Loop, Panel, Pattern, Quadratic, euler_angles, mirrored_curvature
 from garmentimage.pattern.checks import MIN_EDGE_LENGTH, check_pattern, edge_place, panel_place
 from garmentimage.pattern.files import (
     CM_PER_METRE,
@@ -290,20 +281,8 @@ def counter_clockwise(panel: Panel) -> Panel:
 def _mirrored(loop: Loop) -> Loop:
     """The loop with left and right exchanged; its edges keep their numbers and directions."""
     vertices = tuple((-x, y) for x, y in loop.vertices)
-    edges = tuple(replace(e, curvature=_mirrored_curvature(e.curvature)) for e in loop.edges)
+    edges = tuple(replace(e, curvature=mirrored_curvature(e.curvature)) for e in loop.edges)
     return Loop(vertices, edges)
-
-
-def _mirrored_curvature(curvature: Curvature) -> Curvature:
-    match curvature:
-        case None:
-            return None
-        case Quadratic((x, y)):
-            return Quadratic((x, -y))
-        case Cubic((x, y), (x2, y2)):
-            return Cubic((x, -y), (x2, -y2))
-        case Circle(radius, large, right):
-            return Circle(radius, large, not right)
 
 
 def _in_cm(

@@ -47,8 +47,7 @@ def decode(
         kind: what the numbers of channels are, see `repair`; default: judged by all of them.
 
     Raises:
-        ImageError: the array has a wrong shape or values that are not finite; there is no such
-            level or kind.
+        ImageError: a wrong shape, values that are not finite, or no such level or kind.
         DecodeError: the image is empty or mere noise, or a panel crosses itself whatever is tried.
     """
     image, _ = repair_image(image, level=repair, kind=kind)

@@ -78,17 +78,14 @@ def repair(
             becomes `FRONT_TO_BACK` (where the other layer says so: read literally, the rule
             changes correct images); a `NON_BOUNDARY` one between two tips of `SIDE_BY_SIDE` walls
             becomes `SIDE_BY_SIDE` (unless they are the tips of two darts).
-        full: the least-cost labelling in which every grid edge agrees with its cells (a boundary
-            between inside and outside; `NON_BOUNDARY` outside; `SIDE_BY_SIDE` between two inside
-            cells; `FRONT_TO_BACK` on both layers or neither), found by local search; then seams
-            are made whole or dropped, small regions merged, uncertain bands made one seam, and
-            the paper's cases repaired.
+        full: the least-cost labelling in which every grid edge agrees with its cells, found by
+            local search (see `labelling`); then seams are made whole or dropped, small regions
+            merged, uncertain bands made one seam, and the paper's cases repaired.
 
     A correct image comes back unchanged.
 
     Raises:
-        ImageError: the array has a wrong shape, or values that are not finite; there is no such
-            level or kind.
+        ImageError: a wrong shape, values that are not finite, or no such level or kind.
     """
     if level not in LEVELS:
         raise ImageError(f"no repair level {level!r}; there are {', '.join(LEVELS)}")
