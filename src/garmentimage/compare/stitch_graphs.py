@@ -257,6 +257,8 @@ def _match_loose(
     return {loose_a[i]: loose_b[j] for i, j in zip(rows, columns, strict=True)}
 
 
+# A backtracking search, as for isomorphisms of graphs, but with next to no choices: one seam side
+# laid on another fixes all of its component, by `next` and `partner` (see the top of this file).
 class _Laying:
     """Lays components of one graph on another, counting its steps."""
 

@@ -247,6 +247,8 @@ def _join(boundary: Boundary, cut: list[int], second: int) -> Boundary:
     return replace(boundary, tail=tail, head=head, following=following, preceding=preceding)
 
 
+# Minimises sum |R p_i - q_i|² over rotations R of centred points (orthogonal Procrustes problem).
+# In the plane, with p and q as complex numbers, R turns by the argument of sum conj(p_i) q_i.
 def _rigid(source: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotation and shift that bring `source` nearest to `target` (least squares)."""
     a, b = source.mean(axis=0), target.mean(axis=0)

@@ -56,6 +56,8 @@ Wall = tuple[int, int, int]
 """(h, row, col) of a grid edge of one layer: h = 0 the bottom, 1 the left edge of the cell."""
 
 
+# Each rule weighs a local change. Its worth is the mean rise in cost of the grid edges it changes;
+# it is made where that is less than `RARE_COST`, the price of what is rare in garments.
 def unify_seams(inside: Flags, types: Types, cost: Costs) -> int:
     """Make each interface and each slit one type where that is cheaper than leaving it broken.
 
@@ -153,6 +155,7 @@ def _weak_seams(
             worth = sum(believed) / max(len(believed), 1)
             if worth < RARE_COST:
                 found.append((worth, k, other))
+    # Greedy: the weakest first, then those between regions that have not been merged.
     weak: list[list[Wall]] = []
     touched: set[int] = set()
     for _, k, other in sorted(found):
