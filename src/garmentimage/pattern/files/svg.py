@@ -8,6 +8,7 @@ One unit of the drawing is a millimetre. Each panel lies in its own coordinates,
 """
 
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, cos, sin, sqrt
@@ -32,6 +33,8 @@ TEXT_SIZE = 1.2
 """Height of the names [cm]."""
 GOLDEN_ANGLE = 137.508
 """Step of the hue from stitch to stitch [degrees]; keeps neighbours apart."""
+NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that XML cannot hold."""
 
 STYLE = """
 .edge { fill: none; stroke: #444; stroke-width: 0.8; stroke-linecap: round }
@@ -202,12 +205,5 @@ def _mm(cm: float) -> str:
 
 def _text(name: str) -> str:
     r"""Any text, fit for XML: what XML cannot hold is written as \uXXXX, the rest is escaped."""
-    plain = "".join(c if _fits_xml(c) else f"\\u{ord(c):04x}" for c in name)
+    plain = NOT_XML.sub(lambda found: f"\\u{ord(found[0]):04x}", name)
     return escape(plain, {'"': "&quot;", "\n": "&#10;", "\t": "&#9;", "\r": "&#13;"})
-
-
-def _fits_xml(character: str) -> bool:
-    code = ord(character)
-    return (
-        code in (9, 10, 13) or 0x20 <= code <= 0xD7FF or 0xE000 <= code <= 0xFFFD or code > 0xFFFF
-    )

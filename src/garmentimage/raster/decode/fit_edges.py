@@ -10,7 +10,7 @@ from garmentimage.geometry import signed_area, touching_sides
 from garmentimage.pattern import chord_count, polygon_of
 from garmentimage.raster.decode.boundary import NONE, Boundary, Cluster, join_parts
 from garmentimage.raster.decode.divisions import with_divisions
-from garmentimage.raster.decode.edges import CutLoop, Seams, cut_into_edges
+from garmentimage.raster.decode.edges import Seams, cut_into_edges
 from garmentimage.raster.decode.outlines import Polygons, is_outline, until_simple
 from garmentimage.raster.image import GarmentImage, PanelMark
 
@@ -73,8 +73,7 @@ def fit_edges(boundary: Boundary, part_of: Sequence[str | None]) -> FittedPanels
         for index, loop in enumerate(loops):
             members.setdefault(int(whole[joined.cluster[loop[0]]]), []).append(index)
         for own in members.values():
-            if len(own) > 1:
-                own.sort(key=lambda i: -abs(signed_area(polygons[i])))
+            own.sort(key=lambda i: -abs(signed_area(polygons[i])))
         return FittedPanels(joined, whole, seams, polygons, members)
 
     def relax(panels: FittedPanels, faulty: list[int], turn: int) -> None:
@@ -94,7 +93,13 @@ def _runs_to_straighten(panels: FittedPanels, k: int, *, every: bool) -> set[int
     loops = [panels.seams.loops[i] for i in panels.members[k]]
     if every:
         return {run for loop in loops for run in loop.runs}
-    run_of = _curved_run_of_chords(loops)
+    # For each side of the polygons its run; `NONE` where the edge is straight.
+    run_of = [
+        NONE if curve.is_straight else run
+        for loop in loops
+        for curve, run in zip(loop.curves, loop.runs, strict=True)
+        for _ in range(chord_count(curve))
+    ]
     chords = panels.seams.chords
     runs = set()
     for pair in touching_sides(panels.outlines[k]).tolist():
@@ -102,13 +107,3 @@ def _runs_to_straighten(panels: FittedPanels, k: int, *, every: bool) -> set[int
         if curved:
             runs.add(min(curved, key=lambda run: (chords[run], run)))
     return runs
-
-
-def _curved_run_of_chords(loops: Sequence[CutLoop]) -> list[int]:
-    """For each side of the loops' polygons its run; `NONE` where the edge is straight."""
-    return [
-        run if not curve.is_straight else NONE
-        for loop in loops
-        for curve, run in zip(loop.curves, loop.runs, strict=True)
-        for _ in range(chord_count(curve))
-    ]
