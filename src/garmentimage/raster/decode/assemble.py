@@ -108,12 +108,12 @@ def assemble(
         first = 0
         for i in own:
             place[i] = names[k], first
-            first += len(loops[i].curves)
+            first += len(loops[i])
         mark, move = marks[k], np.zeros(2)
         is_unsplit = (fitted.whole == k).sum() == 1
         if mark is not None and is_unsplit:
-            move = np.array(mark.anchor) - centroid(fitted.polygons[own[0]])
-        drawn = [_moved(loop_from_curves(loops[i].curves), move) for i in own]
+            move = np.array(mark.anchor) - centroid(fitted.seams.polygons[own[0]])
+        drawn = [_moved(loop_from_curves([edge.curve for edge in loops[i]]), move) for i in own]
         matrix = frames.matrices[k]
         shift = frames.shifts[k] - matrix @ move
         panels.append(_place_panel(names[k], drawn, clusters[k], mark, matrix, shift))

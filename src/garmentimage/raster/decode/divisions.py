@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from garmentimage.geometry import Curve, Line, lengths_along
 from garmentimage.raster.cells import half_edges
 from garmentimage.raster.decode.boundary import Boundary, Cluster
-from garmentimage.raster.decode.edges import CutLoop, Seams
+from garmentimage.raster.decode.edges import CutEdge, Seams
 from garmentimage.raster.image import Division, GarmentImage, PanelMark
 
 FOUND_CM = 1e-6
@@ -88,14 +88,13 @@ def with_divisions(
     loops, first = [], []
     for loop, own in zip(seams.loops, cuts, strict=True):
         first.append(np.cumsum([0, *(len(c) + 1 for c in own)]).tolist())
-        parts = [_parted(curve, c) for curve, c in zip(loop.curves, own, strict=True)]
+        # What half-edges a part stands for is of no use any more.
         loops.append(
-            CutLoop(
-                [curve for part in parts for curve in part],
-                [run for run, part in zip(loop.runs, parts, strict=True) for _ in part],
-                # What half-edges a part stands for is of no use any more.
-                [[] for part in parts for _ in part],
-            )
+            [
+                CutEdge(part, edge.run, [])
+                for edge, shares in zip(loop, own, strict=True)
+                for part in _parted(edge.curve, shares)
+            ]
         )
     stitches = [
         ((i, first[i][a] + k), (j, first[j][b + 1] - 1 - k))
@@ -127,23 +126,23 @@ def _along_half_edges(
 
 
 def _cuts(
-    loop: CutLoop, along: Mapping[int, list[float]], lengths: Float[np.ndarray, " half"]
+    loop: Sequence[CutEdge], along: Mapping[int, list[float]], lengths: Float[np.ndarray, " half"]
 ) -> list[list[float]]:
     """For each edge of a loop the shares of its length at which it is divided, increasing."""
     cuts = []
-    for halves in loop.halves:
-        reached = np.cumsum(lengths[halves])
+    for edge in loop:
+        reached = np.cumsum(lengths[edge.halves])
         cuts.append(
             [
                 float((reached[k] - (1 - share) * lengths[half]) / reached[-1])
-                for k, half in enumerate(halves)
+                for k, half in enumerate(edge.halves)
                 for share in along.get(half, ())
             ]
         )
-    sizes = [curve.length for curve in loop.curves]
-    for k, run in enumerate(loop.runs):
-        # Where one curve would not do there is a vertex already: it stands for the nearest one.
-        if run == loop.runs[k - 1] and len(loop.runs) > 1:
+    sizes = [edge.curve.length for edge in loop]
+    for k, edge in enumerate(loop):
+        # Where one curve does not fit there is a vertex already: it stands for the nearest one.
+        if edge.run == loop[k - 1].run and len(loop) > 1:
             before = (1 - cuts[k - 1][-1]) * sizes[k - 1] if cuts[k - 1] else np.inf
             after = cuts[k][0] * sizes[k] if cuts[k] else np.inf
             if min(before, after) < SNAP_CM:

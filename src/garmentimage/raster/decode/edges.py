@@ -2,36 +2,43 @@
 
 from collections.abc import Sequence, Set
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from garmentimage.geometry import Curve
+from garmentimage.pattern import polygon_of
 from garmentimage.raster.decode.boundary import NONE, Boundary
 from garmentimage.raster.decode.curve_fit import Part, cut_run
 
 
-@dataclass(frozen=True)
-class CutLoop:
-    """A boundary loop as edges."""
+class CutEdge(NamedTuple):
+    """An edge of a boundary loop."""
 
-    curves: list[Curve]
-    runs: list[int]
-    """For each edge the half-edge at which its run starts."""
-    halves: list[list[int]]
-    """The half-edges that each edge stands for."""
+    curve: Curve
+    run: int
+    """The half-edge at which its run starts."""
+    halves: list[int]
+    """The half-edges that it stands for."""
 
 
 @dataclass(frozen=True)
 class Seams:
     """All loops cut into edges, and which edges are sewn together."""
 
-    loops: list[CutLoop]
+    loops: list[list[CutEdge]]
     """In the order of `Boundary.loops`."""
     stitches: list[tuple[tuple[int, int], tuple[int, int]]]
     """Pairs of (loop, edge)."""
     chords: dict[int, int]
     """How many half-edges each run has, by the half-edge at which it starts."""
+
+    @cached_property
+    def polygons(self) -> list[Float[np.ndarray, "_ 2"]]:
+        """Each loop as the polygon of its curves [cm]."""
+        return [polygon_of([edge.curve for edge in loop]) for loop in self.loops]
 
 
 def cut_into_edges(boundary: Boundary, loops: Sequence[Sequence[int]], straight: Set[int]) -> Seams:
@@ -61,14 +68,12 @@ def cut_into_edges(boundary: Boundary, loops: Sequence[Sequence[int]], straight:
         sewn_to[k] = partner
 
     place: dict[int, tuple[int, int]] = {}
-    cut: list[CutLoop] = []
+    cut: list[list[CutEdge]] = []
     for index, starts in enumerate(order):
-        cut.append(CutLoop([], [], []))
+        cut.append([])
         for k in starts:
-            place[k] = (index, len(cut[-1].curves))
-            cut[-1].curves.extend(p.curves[0] for p in parts[k])
-            cut[-1].runs.extend([k] * len(parts[k]))
-            cut[-1].halves.extend(runs[k][p.first : p.last] for p in parts[k])
+            place[k] = (index, len(cut[-1]))
+            cut[-1] += (CutEdge(p.curves[0], k, runs[k][p.first : p.last]) for p in parts[k])
     stitches = []
     for k, partner in sewn_to.items():
         (loop_a, a), (loop_b, b) = place[k], place[partner]

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Int
 
 from garmentimage.geometry import signed_area, touching_sides
-from garmentimage.pattern import chord_count, polygon_of
+from garmentimage.pattern import chord_count
 from garmentimage.raster.decode.boundary import NONE, Boundary, Cluster, join_parts
 from garmentimage.raster.decode.divisions import with_divisions
 from garmentimage.raster.decode.edges import Seams, cut_into_edges
@@ -27,15 +27,13 @@ class FittedPanels:
     whole: Int[np.ndarray, " cluster"]
     """For each cluster the one that it was joined to; itself where none."""
     seams: Seams
-    polygons: list[np.ndarray]
-    """Each loop as the polygon of its curves."""
     members: dict[int, list[int]]
     """Loops of each panel, by its cluster; the outline first, then holes by their size."""
 
     @property
     def outlines(self) -> Mapping[int, Polygons]:
         """Polygons by cluster."""
-        return {k: [self.polygons[i] for i in own] for k, own in self.members.items()}
+        return {k: [self.seams.polygons[i] for i in own] for k, own in self.members.items()}
 
     def divided(
         self,
@@ -47,7 +45,7 @@ class FittedPanels:
         seams = with_divisions(self.seams, self.boundary, image, clusters, marks)
         if seams is self.seams:
             return self
-        found = replace(self, seams=seams, polygons=[polygon_of(x.curves) for x in seams.loops])
+        found = replace(self, seams=seams)
         return found if all(map(is_outline, found.outlines.values())) else self
 
 
@@ -68,13 +66,12 @@ def fit_edges(boundary: Boundary, part_of: Sequence[str | None]) -> FittedPanels
         joined, whole = join_parts(boundary, names)
         loops = joined.loops
         seams = cut_into_edges(joined, loops, straight)
-        polygons = [polygon_of(loop.curves) for loop in seams.loops]
         members: dict[int, list[int]] = {}
         for index, loop in enumerate(loops):
             members.setdefault(int(whole[joined.cluster[loop[0]]]), []).append(index)
         for own in members.values():
-            own.sort(key=lambda i: -abs(signed_area(polygons[i])))
-        return FittedPanels(joined, whole, seams, polygons, members)
+            own.sort(key=lambda i: -abs(signed_area(seams.polygons[i])))
+        return FittedPanels(joined, whole, seams, members)
 
     def relax(panels: FittedPanels, faulty: list[int], turn: int) -> None:
         for k in faulty:
@@ -92,13 +89,13 @@ def _runs_to_straighten(panels: FittedPanels, k: int, *, every: bool) -> set[int
     """Runs of panel `k`: all, or of every two that cross the curved one with fewer points."""
     loops = [panels.seams.loops[i] for i in panels.members[k]]
     if every:
-        return {run for loop in loops for run in loop.runs}
+        return {edge.run for loop in loops for edge in loop}
     # For each side of the polygons its run; `NONE` where the edge is straight.
     run_of = [
-        NONE if curve.is_straight else run
+        NONE if edge.curve.is_straight else edge.run
         for loop in loops
-        for curve, run in zip(loop.curves, loop.runs, strict=True)
-        for _ in range(chord_count(curve))
+        for edge in loop
+        for _ in range(chord_count(edge.curve))
     ]
     chords = panels.seams.chords
     runs = set()
