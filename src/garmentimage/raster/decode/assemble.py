@@ -57,24 +57,23 @@ def marks_of_clusters(
     return marks
 
 
-def panel_frames(
-    boundary: Boundary, clusters: Sequence[Cluster], marks: Sequence[PanelMark | None]
-) -> PanelFrames:
+def panel_frames(boundary: Boundary, clusters: Sequence[Cluster]) -> PanelFrames:
     """Points in each panel's own frame, its centroid at the mark's anchor."""
-    matrices = [_frame_matrix(c, m) for c, m in zip(clusters, marks, strict=True)]
+    matrices = [_frame_matrix(cluster) for cluster in clusters]
     tail, head = boundary.tail.copy(), boundary.head.copy()
     # Parts of split panels must find their places exactly; the others are moved once refitted.
     middles = [c.vertices.mean(axis=0) for c in clusters]
     sizes = [0.0] * len(clusters)
     for loop in boundary.loops:
         k = int(boundary.cluster[loop[0]])
-        mark = marks[k]
+        mark = clusters[k].mark
         if mark is not None and mark.split_of is not None:
             size = abs(signed_area(tail[loop]))
             if size > sizes[k]:
                 sizes[k], middles[k] = size, centroid(tail[loop])
     shifts = []
-    for k, (matrix, mark) in enumerate(zip(matrices, marks, strict=True)):
+    for k, matrix in enumerate(matrices):
+        mark = clusters[k].mark
         anchor = np.zeros(2) if mark is None else np.array(mark.anchor, float)
         shifts.append(middles[k] - matrix @ anchor)
         own = boundary.cluster == k
@@ -83,24 +82,20 @@ def panel_frames(
     return PanelFrames(replace(boundary, tail=tail, head=head), matrices, shifts)
 
 
-def _frame_matrix(cluster: Cluster, mark: PanelMark | None) -> Float[np.ndarray, "2 2"]:
+def _frame_matrix(cluster: Cluster) -> Float[np.ndarray, "2 2"]:
     """Raster frame = matrix @ panel frame; a back panel without a mark is seen from outside."""
-    if mark is not None:
-        matrix = np.array(mark.matrix, float)
+    if cluster.mark is not None:
+        matrix = np.array(cluster.mark.matrix, float)
         if np.abs(matrix @ matrix.T - np.eye(2)).max() < ORTHOGONAL_TOL:
             return matrix
     return np.diag([float(cluster.outward), 1.0])
 
 
 def assemble(
-    image: GarmentImage,
-    clusters: Sequence[Cluster],
-    marks: Sequence[PanelMark | None],
-    frames: PanelFrames,
-    fitted: FittedPanels,
+    image: GarmentImage, clusters: Sequence[Cluster], frames: PanelFrames, fitted: FittedPanels
 ) -> Pattern:
     """The pattern: panels with names and places, stitches between their edges."""
-    names = panel_names(image, clusters, marks, fitted.whole)
+    names = panel_names(image, clusters, fitted.whole)
     loops = fitted.seams.loops
     panels = []
     place: dict[int, tuple[str, int]] = {}
@@ -109,14 +104,14 @@ def assemble(
         for i in own:
             place[i] = names[k], first
             first += len(loops[i])
-        mark, move = marks[k], np.zeros(2)
+        mark, move = clusters[k].mark, np.zeros(2)
         is_unsplit = (fitted.whole == k).sum() == 1
         if mark is not None and is_unsplit:
             move = np.array(mark.anchor) - centroid(fitted.seams.polygons[own[0]])
         drawn = [_moved(loop_from_curves([edge.curve for edge in loops[i]]), move) for i in own]
         matrix = frames.matrices[k]
         shift = frames.shifts[k] - matrix @ move
-        panels.append(_place_panel(names[k], drawn, clusters[k], mark, matrix, shift))
+        panels.append(_place_panel(names[k], drawn, clusters[k], matrix, shift))
     sewn = tuple(Stitch(_side(place, a), _side(place, b)) for a, b in fitted.seams.stitches)
     return Pattern(tuple(panels), sewn, image.name)
 
@@ -131,7 +126,6 @@ def _place_panel(
     name: str,
     loops: Sequence[Loop],
     cluster: Cluster,
-    mark: PanelMark | None,
     matrix: Float[np.ndarray, "2 2"],
     shift: Float[np.ndarray, " 2"],
 ) -> Panel:
@@ -139,7 +133,7 @@ def _place_panel(
     turn = np.zeros((3, 3))
     turn[:2, :2], turn[2, 2] = matrix, np.linalg.det(matrix)
     depth = cluster.outward * (DEPTH_CM + LAYER_STEP_CM * (cluster.layer // 2))
-    known = PanelMark(name, cluster.layer, (0, 0)) if mark is None else mark
+    known = cluster.mark or PanelMark(name, cluster.layer, (0, 0))
     return Panel(
         name,
         loops[0],

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from garmentimage.raster.cells import NEIGHBOURS, CellMesh, half_edges
-from garmentimage.raster.image import EdgeType, GarmentImage
+from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
 
 NONE = -1
 """No partner; or, in `following`, a half-edge that is no longer on any boundary."""
@@ -34,6 +34,8 @@ class Cluster:
     mesh: CellMesh
     vertices: Float[np.ndarray, "vertex 2"]
     """Positions [cm]."""
+    mark: PanelMark | None
+    """What the image says of the panel."""
 
     @property
     def outward(self) -> int:

@@ -19,8 +19,10 @@ from garmentimage.pattern import Pattern
 from garmentimage.raster.cells import cell_mesh, label_panels
 from garmentimage.raster.channel_kind import ChannelKind
 from garmentimage.raster.decode.assemble import assemble, marks_of_clusters, panel_frames
+from garmentimage.raster.decode.boundary import Cluster
 from garmentimage.raster.decode.fit_edges import fit_edges
 from garmentimage.raster.decode.outlines import unfold_simply
+from garmentimage.raster.decode.unfold import unfold_panel
 from garmentimage.raster.image import GarmentImage
 from garmentimage.raster.repair import RepairLevel, remove_dangling_cuts, repair as repair_image
 
@@ -73,12 +75,11 @@ def _decoded(image: GarmentImage) -> Pattern:
     marks = marks_of_clusters(image, labels, panel_count)
     layer_of = np.empty(panel_count, np.int64)
     layer_of[labels[labels >= 0]] = np.nonzero(labels >= 0)[0]
-    meshes = [
-        cell_mesh(labels[layer] == k, image.edge_type[layer]) for k, layer in enumerate(layer_of)
-    ]
-    unfolded = unfold_simply(image, layer_of.tolist(), meshes)
-    clusters = unfolded.clusters
-    frames = panel_frames(unfolded.boundary, clusters, marks)
-    part_of = [None if mark is None else mark.split_of for mark in marks]
-    fitted = fit_edges(frames.boundary, part_of).divided(image, clusters, marks)
-    return assemble(image, clusters, marks, frames, fitted)
+    clusters = []
+    for k, (layer, mark) in enumerate(zip(layer_of.tolist(), marks, strict=True)):
+        mesh = cell_mesh(labels[layer] == k, image.edge_type[layer])
+        clusters.append(Cluster(layer, mesh, unfold_panel(image, layer, mesh), mark))
+    clusters, boundary = unfold_simply(image, clusters)
+    frames = panel_frames(boundary, clusters)
+    fitted = fit_edges(frames.boundary, clusters).divided(image, clusters)
+    return assemble(image, clusters, frames, fitted)

@@ -15,7 +15,7 @@ from garmentimage.geometry import Curve, Line, lengths_along
 from garmentimage.raster.cells import half_edges
 from garmentimage.raster.decode.boundary import Boundary, Cluster
 from garmentimage.raster.decode.edges import CutEdge, Seams
-from garmentimage.raster.image import Division, GarmentImage, PanelMark
+from garmentimage.raster.image import Division, GarmentImage
 
 FOUND_CM = 1e-6
 """A vertex lies on an edge that comes this near."""
@@ -64,19 +64,15 @@ def divisions_on(
 
 
 def with_divisions(
-    seams: Seams,
-    boundary: Boundary,
-    image: GarmentImage,
-    clusters: Sequence[Cluster],
-    marks: Sequence[PanelMark | None],
+    seams: Seams, boundary: Boundary, image: GarmentImage, clusters: Sequence[Cluster]
 ) -> Seams:
     """Edges divided at the vertices that the marks keep; both sides of a seam into as many parts.
 
-    The clusters are in the order in which `trace_boundary` had them, each with its mark.
+    The clusters are in the order in which `trace_boundary` had them.
     """
-    if not any(mark is not None and mark.divisions for mark in marks):
+    if not any(cluster.mark and cluster.mark.divisions for cluster in clusters):
         return seams
-    along = _along_half_edges(image, clusters, marks)
+    along = _along_half_edges(image, clusters)
     lengths = np.hypot(*(boundary.head - boundary.tail).T)
     cuts = [_cuts(loop, along, lengths) for loop in seams.loops]
     for (i, a), (j, b) in seams.stitches:
@@ -105,18 +101,18 @@ def with_divisions(
 
 
 def _along_half_edges(
-    image: GarmentImage, clusters: Sequence[Cluster], marks: Sequence[PanelMark | None]
+    image: GarmentImage, clusters: Sequence[Cluster]
 ) -> Mapping[int, list[float]]:
     """Shares of the divisions on each half-edge that has some, in the direction of its loop."""
     found: dict[int, list[float]] = {}
     first = 0
-    for cluster, mark in zip(clusters, marks, strict=True):
+    for cluster in clusters:
         half = half_edges(cluster.mesh, image.edge_type[cluster.layer])
-        if mark is not None and mark.divisions:
+        if cluster.mark is not None and cluster.mark.divisions:
             cells = cluster.mesh.cells[half.cell]
             keys = zip(cells[:, 0].tolist(), cells[:, 1].tolist(), half.side.tolist(), strict=True)
             number = {key: first + k for k, key in enumerate(keys)}
-            for row, col, side, shares in mark.divisions:
+            for row, col, side, shares in cluster.mark.divisions:
                 if (row, col, side) in number:
                     forward = (side in (0, 1)) == (cluster.outward > 0)
                     shares = shares if forward else tuple(1 - s for s in reversed(shares))

@@ -12,7 +12,7 @@ from garmentimage.raster.decode.boundary import NONE, Boundary, Cluster, join_pa
 from garmentimage.raster.decode.divisions import with_divisions
 from garmentimage.raster.decode.edges import Seams, cut_into_edges
 from garmentimage.raster.decode.outlines import Polygons, is_outline, until_simple
-from garmentimage.raster.image import GarmentImage, PanelMark
+from garmentimage.raster.image import GarmentImage
 
 MAX_STRAIGHTEN_ROUNDS = 4
 """How often runs that cross are made straight one by one; then all runs of their panels are."""
@@ -35,35 +35,30 @@ class FittedPanels:
         """Polygons by cluster."""
         return {k: [self.seams.polygons[i] for i in own] for k, own in self.members.items()}
 
-    def divided(
-        self,
-        image: GarmentImage,
-        clusters: Sequence[Cluster],
-        marks: Sequence[PanelMark | None],
-    ) -> "FittedPanels":
+    def divided(self, image: GarmentImage, clusters: Sequence[Cluster]) -> "FittedPanels":
         """With the vertices that marks keep; unchanged where an outline would cross itself then."""
-        seams = with_divisions(self.seams, self.boundary, image, clusters, marks)
+        seams = with_divisions(self.seams, self.boundary, image, clusters)
         if seams is self.seams:
             return self
         found = replace(self, seams=seams)
         return found if all(map(is_outline, found.outlines.values())) else self
 
 
-def fit_edges(boundary: Boundary, part_of: Sequence[str | None]) -> FittedPanels:
+def fit_edges(boundary: Boundary, clusters: Sequence[Cluster]) -> FittedPanels:
     """Join the parts of split panels and refit all edges such that no outline crosses itself.
 
     Where curves cross, their runs keep the straight chords of the polyline. Chords of one cluster
     never cross, so what crosses when all are straight was joined wrongly: it is taken apart again.
 
     Args:
-        boundary: as unfolded, in the frames of the panels.
-        part_of: for each cluster the name of the panel that it is a part of, or None.
+        boundary: of the clusters, in the frames of the panels.
+        clusters: as unfolded.
     """
     straight: set[int] = set()
-    names = list(part_of)
+    part_of = [None if c.mark is None else c.mark.split_of for c in clusters]
 
     def build() -> FittedPanels:
-        joined, whole = join_parts(boundary, names)
+        joined, whole = join_parts(boundary, part_of)
         loops = joined.loops
         seams = cut_into_edges(joined, loops, straight)
         members: dict[int, list[int]] = {}
@@ -79,7 +74,7 @@ def fit_edges(boundary: Boundary, part_of: Sequence[str | None]) -> FittedPanels
             nothing_left_to_straighten = runs <= straight
             if nothing_left_to_straighten:
                 for part in np.flatnonzero(panels.whole == k).tolist():
-                    names[part] = None
+                    part_of[part] = None
             straight.update(runs)
 
     return until_simple(build, relax)

@@ -10,7 +10,7 @@ from jaxtyping import Int
 
 from garmentimage.raster.cells import half_edges
 from garmentimage.raster.decode.boundary import Cluster
-from garmentimage.raster.image import LEFT, EdgeType, GarmentImage, PanelMark
+from garmentimage.raster.image import LEFT, EdgeType, GarmentImage
 
 CROTCH_CM, SHOULDER_CM = 78.0, 138.0
 """Heights above the floor that distinguish kinds of panels."""
@@ -45,10 +45,7 @@ _LEFT_SIDE, _RIGHT_SIDE = 3, 1
 
 
 def panel_names(
-    image: GarmentImage,
-    clusters: Sequence[Cluster],
-    marks: Sequence[PanelMark | None],
-    whole: Int[np.ndarray, " cluster"],
+    image: GarmentImage, clusters: Sequence[Cluster], whole: Int[np.ndarray, " cluster"]
 ) -> Mapping[int, str]:
     """A name for each panel, unique: its mark's, else one from its place.
 
@@ -61,10 +58,10 @@ def panel_names(
     distance = {
         k: round(abs(_body_box(image, clusters[k]).mean(axis=0)[0]), 3)
         for k in roots
-        if marks[k] is None
+        if clusters[k].mark is None
     }
     for k in sorted(roots, key=lambda k: (k in distance, distance.get(k, 0.0), k)):
-        mark = marks[k]
+        mark = clusters[k].mark
         if mark is None:
             name = _name(image, clusters[k])
         else:

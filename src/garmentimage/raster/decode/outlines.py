@@ -1,7 +1,7 @@
 """Outlines that do not cross themselves: panels are unfolded with more effort until they are so."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -10,7 +10,6 @@ from jaxtyping import Float
 from garmentimage.errors import DecodeError
 from garmentimage.geometry import contains, signed_area, touching_sides
 from garmentimage.pattern.checks import MAX_PANEL_SIZE, MIN_EDGE_LENGTH
-from garmentimage.raster.cells import CellMesh
 from garmentimage.raster.decode.boundary import Boundary, Cluster, close_slits, trace_boundary
 from garmentimage.raster.decode.unfold import unfold_panel
 from garmentimage.raster.image import GarmentImage
@@ -90,8 +89,7 @@ def is_outline(polygons: Polygons) -> bool:
     )
 
 
-@dataclass(frozen=True)
-class UnfoldedPanels:
+class UnfoldedPanels(NamedTuple):
     """Clusters after deforming, and their half-edges."""
 
     clusters: list[Cluster]
@@ -106,19 +104,14 @@ class UnfoldedPanels:
         return found
 
 
-def unfold_simply(
-    image: GarmentImage, layer_of: Sequence[int], meshes: Sequence[CellMesh]
-) -> UnfoldedPanels:
-    """Unfold all clusters, given their layers and cells, such that no outline crosses itself.
+def unfold_simply(image: GarmentImage, clusters: Sequence[Cluster]) -> UnfoldedPanels:
+    """Unfold clusters again whose outlines cross themselves, until none does.
 
     Raises:
         DecodeError: an outline crosses itself whatever is tried.
     """
-    effort = [0] * len(meshes)
-    clusters = [
-        Cluster(layer, mesh, unfold_panel(image, layer, mesh))
-        for layer, mesh in zip(layer_of, meshes, strict=True)
-    ]
+    clusters = list(clusters)
+    effort = [0] * len(clusters)
 
     def build() -> UnfoldedPanels:
         boundary = trace_boundary(image, clusters)
@@ -130,7 +123,8 @@ def unfold_simply(
             effort[k] += 1
             if effort[k] == len(EFFORTS):
                 raise _crossing(image, clusters[k])
-            vertices = unfold_panel(image, layer_of[k], meshes[k], EFFORTS[effort[k]].pull)
+            layer, mesh = clusters[k].layer, clusters[k].mesh
+            vertices = unfold_panel(image, layer, mesh, EFFORTS[effort[k]].pull)
             clusters[k] = replace(clusters[k], vertices=vertices)
 
     return until_simple(build, relax)
