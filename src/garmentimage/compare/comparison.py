@@ -113,17 +113,15 @@ class _Comparison:
 
     def likeliest(self) -> tuple[Matching, list[str]]:
         """The assignment of panels by names or by shape that explains more, and its differences."""
-        if self.any_pose:
-            matching = match_panels(self.original, self.decoded, any_pose=True)
-            return matching, self.differences(matching)
-        by_name = match_panels(self.original, self.decoded, by_name=True)
-        reasons = self.differences(by_name)
-        if not reasons:
-            return by_name, reasons
-        by_shape = match_panels(self.original, self.decoded)
-        return min(
-            (by_name, reasons), (by_shape, self.differences(by_shape)), key=lambda c: len(c[1])
-        )
+        found: list[tuple[Matching, list[str]]] = []
+        for by_name in (False,) if self.any_pose else (True, False):
+            matching = match_panels(
+                self.original, self.decoded, by_name=by_name, any_pose=self.any_pose
+            )
+            found.append((matching, self.differences(matching)))
+            if not found[-1][1]:
+                break
+        return min(found, key=lambda candidate: len(candidate[1]))
 
     def differences(self, matching: Matching) -> list[str]:
         """Why the patterns differ under an assignment of panels."""

@@ -259,20 +259,16 @@ def _match_loose(
 
 # A backtracking search, as for isomorphisms of graphs, but with next to no choices: one seam side
 # laid on another fixes all of its component, by `next` and `partner` (see the top of this file).
+@dataclass
 class _Laying:
     """Lays components of one graph on another, counting its steps."""
 
-    def __init__(
-        self,
-        a: StitchGraph,
-        b: StitchGraph,
-        candidates: Mapping[str, Mapping[str, tuple[int, ...]]],
-        check_lengths: bool,
-        check_places: bool,
-    ) -> None:
-        self.a, self.b, self.candidates = a, b, candidates
-        self.check_lengths, self.check_places = check_lengths, check_places
-        self.steps = 0
+    a: StitchGraph
+    b: StitchGraph
+    candidates: Mapping[str, Mapping[str, tuple[int, ...]]]
+    check_lengths: bool
+    check_places: bool
+    steps: int = 0
 
     def ways(self, component: tuple[int, ...], so_far: GraphMatch) -> Iterator[GraphMatch]:
         """Every way to lay one component, given how others lie."""

@@ -1,6 +1,6 @@
 """Panels named, turned into their own frames, placed round the body, and their edges sewn."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -98,12 +98,10 @@ def assemble(
     names = panel_names(image, clusters, fitted.whole)
     loops = fitted.seams.loops
     panels = []
-    place: dict[int, tuple[str, int]] = {}
+    side_of: dict[tuple[int, int], Side] = {}
     for k, own in sorted(fitted.members.items()):
-        first = 0
-        for i in own:
-            place[i] = names[k], first
-            first += len(loops[i])
+        edges = [(i, number) for i in own for number in range(len(loops[i]))]
+        side_of |= {edge: Side(names[k], number) for number, edge in enumerate(edges)}
         mark, move = clusters[k].mark, np.zeros(2)
         is_unsplit = (fitted.whole == k).sum() == 1
         if mark is not None and is_unsplit:
@@ -112,14 +110,8 @@ def assemble(
         matrix = frames.matrices[k]
         shift = frames.shifts[k] - matrix @ move
         panels.append(_place_panel(names[k], drawn, clusters[k], matrix, shift))
-    sewn = tuple(Stitch(_side(place, a), _side(place, b)) for a, b in fitted.seams.stitches)
+    sewn = tuple(Stitch(side_of[a], side_of[b]) for a, b in fitted.seams.stitches)
     return Pattern(tuple(panels), sewn, image.name)
-
-
-def _side(place: Mapping[int, tuple[str, int]], edge: tuple[int, int]) -> Side:
-    """The side of a panel that edge (loop, number) is; `place` has the first edge of each loop."""
-    name, first = place[edge[0]]
-    return Side(name, first + edge[1])
 
 
 def _place_panel(
