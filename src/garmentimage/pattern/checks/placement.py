@@ -117,7 +117,9 @@ def _size_findings(pattern: Pattern) -> list[Finding]:
             "cm that were declared inches, set properties.units_in_meter to 100"
         )
         return [Finding("whole garment", message, "perhaps-not-inches")]
-    width = float(np.ptp(np.concatenate([_world_outline(p)[:, 0] for p in pattern.panels])))
+    # The longer way across: a garment may be turned about the upright.
+    outlines = np.concatenate([_world_outline(p) for p in pattern.panels])
+    width = float(np.ptp(outlines[:, [0, 2]], axis=0).max())
     if len(pattern.panels) > 1 and width < NARROW_GARMENT and not _in_one_plane(pattern):
         message = (
             f"is {width:.0f} cm wide, too narrow for a grown person; if its numbers are inches, "
