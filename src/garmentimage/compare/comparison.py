@@ -29,8 +29,7 @@ from garmentimage.compare.stitch_graphs import (
 from garmentimage.compare.validation import stitch_faults, structure_faults
 from garmentimage.pattern import Pattern
 
-SUCCESS_IOU = 0.9
-"""Every panel must reach this centroid-aligned IoU."""
+SUCCESS_IOU = 0.9  # every panel must reach this centroid-aligned IoU
 
 
 @dataclass(frozen=True)

@@ -26,11 +26,9 @@ Ruffles are strips of a few cm and a few metres: coarser chords would be most of
 
 MAX_CHORDS = 1000
 
-BOUNDARY_POINTS = 128
-"""Points on each boundary when boundaries are compared."""
+BOUNDARY_POINTS = 128  # points on each boundary when boundaries are compared
 
-STARTS_BETWEEN = 8
-"""Starts that are tried between two of these points."""
+STARTS_BETWEEN = 8  # starts that are tried between two of these points
 
 MIN_IOU = 0.3
 """While matching, pairs whose areas alone forbid this much IoU count as 0 (saves the work)."""
@@ -47,8 +45,7 @@ POSES = tuple(
 )
 """Quarter turns of the panel as it is, then of its mirror image; the first is the identity."""
 
-TURNED, MIRRORED = (0, 1, 2, 3), (4, 5, 6, 7)
-"""Indices of `POSES`: without and with mirroring."""
+TURNED, MIRRORED = (0, 1, 2, 3), (4, 5, 6, 7)  # indices of `POSES`: without and with mirroring
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,7 @@ from garmentimage.pattern import Loop, Panel, Pattern, euler_angles, mirrored_cu
 ALIKE = 0.02
 """Poses whose IoU is less by no more than this fit as well: how the panels stand decides."""
 
-RIVAL = 0.1
-"""Panels that score less by no more than this may be the counterpart: seams decide."""
+RIVAL = 0.1  # panels that score less by no more than this may be the counterpart: seams decide
 
 
 @dataclass(frozen=True)
@@ -38,12 +37,10 @@ class Pairing:
 
     found: Pattern
     """The found garment, its panels drawn in frames that lie as those of their counterparts."""
-    matching: Matching
-    """Of the true garment and `found`."""
+    matching: Matching  # of the true garment and `found`
     graphs: tuple[StitchGraph, StitchGraph]
     """Of the true garment and of the found one as it was found."""
-    same_topology: bool
-    """The same panels sewn together in the same order; lengths may differ."""
+    same_topology: bool  # the same panels sewn together in the same order; lengths may differ
 
 
 def pair_garments(truth: Pattern, found: Pattern) -> Pairing:

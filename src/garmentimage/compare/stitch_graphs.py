@@ -46,8 +46,7 @@ PLACE_TOL_SHARE = 0.1
 PLACE_TOL_CM = 2.0
 """... or within this much [cm], whichever is more."""
 
-MAX_SEARCH_STEPS = 500_000
-"""Seam sides visited before the search for a panel assignment gives up."""
+MAX_SEARCH_STEPS = 500_000  # seam sides visited before the search for a panel assignment gives up
 
 
 PoseTable = Mapping[tuple[str, str], tuple[int, ...]]
@@ -68,12 +67,9 @@ class SeamSide(SeamRun):
 class PanelNode:
     """What the graph knows of a panel."""
 
-    loops: int
-    """Outline and holes."""
-    clockwise: bool
-    """The outline runs clockwise in panel coordinates."""
-    size: float
-    """Root of the area within the outline [cm]."""
+    loops: int  # outline and holes
+    clockwise: bool  # the outline runs clockwise in panel coordinates
+    size: float  # root of the area within the outline [cm]
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ from garmentimage.pattern.model import (
     Side,
 )
 
-NEARER_CM = 1e-6
-"""Rounding of the mean distance of seam ends."""
+NEARER_CM = 1e-6  # rounding of the mean distance of seam ends
 
 
 def outward(pattern: Pattern) -> tuple[Pattern, tuple[Finding, ...]]:

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 from garmentimage.errors import quoted
 
-MAX_SHOWN = 3
-"""Names or numbers that a finding about many panels or edges gives."""
+MAX_SHOWN = 3  # names or numbers that a finding about many panels or edges gives
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ from garmentimage.geometry import Arc, Bezier, Curve, Line, Point as Point, sign
 
 Vector = tuple[float, float, float]
 
-POLYGON_CHORDS = 16
-"""Chords that stand for a curved edge in `polygon_of`."""
+POLYGON_CHORDS = 16  # chords that stand for a curved edge in `polygon_of`
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,7 @@ from numba import njit
 from garmentimage.geometry import find_root, union
 from garmentimage.raster.image import EdgeType
 
-OUTSIDE = -1
-"""Label of cells that belong to no panel."""
+OUTSIDE = -1  # label of cells that belong to no panel
 
 _NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
 _NON_STITCH = int(EdgeType.NON_STITCH)

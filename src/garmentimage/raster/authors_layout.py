@@ -22,8 +22,7 @@ from garmentimage.raster.channels import (
 )
 from garmentimage.raster.image import GarmentImage
 
-AUTHORS_CELL_CM = 32 / 2.75
-"""Side of a cell in the authors' files [cm], about 11.636."""
+AUTHORS_CELL_CM = 32 / 2.75  # side of a cell in the authors' files [cm], about 11.636
 
 # Ours <-> theirs; both orders swap the second and the fourth of four, so each is its own inverse.
 _TYPES = [0, 3, 2, 1]
@@ -31,8 +30,7 @@ _VECTORS = [0, 3, 2, 1]
 _REST = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0], [0.0, 1.0]])
 """Bottom, right, top, left vectors of a cell at rest, in cells."""
 
-SHARE_TOL = 0.02
-"""How far four values may miss being the shares of one whole."""
+SHARE_TOL = 0.02  # how far four values may miss being the shares of one whole
 
 
 class ChannelOrder(StrEnum):

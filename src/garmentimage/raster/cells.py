@@ -30,23 +30,19 @@ NEIGHBOURS = ((-1, 0), (0, 1), (1, 0), (0, -1))
 class CellMesh:
     """The quads of one cluster, or of a whole layer, with their corners merged."""
 
-    cells: Int[np.ndarray, "cell 2"]
-    """(row, column) of each cell, in raster order."""
+    cells: Int[np.ndarray, "cell 2"]  # (row, column) of each cell, in raster order
     corner_ids: Int[np.ndarray, "cell 4"]
     """Vertex of the bottom left, bottom right, top right and top left corner."""
     vertex_count: int
-    lattice: Float[np.ndarray, "vertex 2"]
-    """Lattice point (x, y) of each vertex."""
+    lattice: Float[np.ndarray, "vertex 2"]  # lattice point (x, y) of each vertex
 
 
 @dataclass(frozen=True)
 class HalfEdges:
     """The boundary of a `CellMesh`."""
 
-    cell: Int[np.ndarray, " half"]
-    """Row of `CellMesh.cells`."""
-    side: Int[np.ndarray, " half"]
-    """0 bottom, 1 right, 2 top, 3 left."""
+    cell: Int[np.ndarray, " half"]  # row of `CellMesh.cells`
+    side: Int[np.ndarray, " half"]  # 0 bottom, 1 right, 2 top, 3 left
     start: Int[np.ndarray, " half"]
     end: Int[np.ndarray, " half"]
     """Vertices, counter-clockwise round the cell."""

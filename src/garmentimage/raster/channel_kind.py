@@ -16,10 +16,8 @@ from garmentimage.errors import ImageError
 ChannelKind = Literal["shares", "logits", "channels"]
 CHANNEL_KINDS: tuple[ChannelKind, ...] = get_args(ChannelKind)
 
-SHARE_SLACK = 0.02
-"""Shares may lie this far outside 0..1."""
-MAX_OUTLIERS = 0.01
-"""Share of the numbers that may be outliers."""
+SHARE_SLACK = 0.02  # shares may lie this far outside 0..1
+MAX_OUTLIERS = 0.01  # share of the numbers that may be outliers
 CHANNEL_SLACK, MAX_CHANNEL_OUTLIERS = 0.5, 0.05
 """Channels lie within 0..1 give or take the first, but for the second share of them."""
 MAX_SUM_ERROR = 0.5

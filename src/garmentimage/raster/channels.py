@@ -22,12 +22,10 @@ CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 2 * VECTOR_COUNT
 CHANNEL_CONTRACT = "garmentimage-1"
 """What channels mean: their order and units, and the frame. Networks are made for one of these."""
 
-MIN_GRID, MAX_GRID = 4, 256
-"""Smallest and largest grid that files may have."""
+MIN_GRID, MAX_GRID = 4, 256  # smallest and largest grid that files may have
 MAX_LAYERS = 16
 
-Array = TypeVar("Array")
-"""A numpy array or a torch tensor."""
+Array = TypeVar("Array")  # a numpy array or a torch tensor
 
 
 def split_channels(channels: Array) -> tuple[Array, Array, Array]:

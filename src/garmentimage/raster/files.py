@@ -42,8 +42,7 @@ FORMAT = "garmentimage"
 VERSION = 1
 MAX_FILE_BYTES = 160 * 2**20
 """Largest file that is read: 16 layers of 256 x 256 cells in float64 fit."""
-MAX_META_BYTES = 4 * 2**20
-"""Largest `meta` [bytes]."""
+MAX_META_BYTES = 4 * 2**20  # largest `meta` [bytes]
 _ARRAYS = ("meta", "inside", "edge_type", "deformation", "columns", "rows")
 
 

@@ -11,8 +11,7 @@ import numpy as np
 from garmentimage.errors import ImageError
 from garmentimage.raster.image import Division, PanelMark
 
-MAX_NAME_LENGTH = 1000
-"""Longest name of a layer or panel."""
+MAX_NAME_LENGTH = 1000  # longest name of a layer or panel
 
 
 def mark_to_json(mark: PanelMark) -> dict[str, Any]:

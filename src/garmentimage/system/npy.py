@@ -17,10 +17,8 @@ from garmentimage.errors import ImageError
 
 NPY_MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK"
-MAX_ARCHIVE_BYTES = 160 * 2**20
-"""Largest sum of the unpacked arrays of an `.npz` [bytes]."""
-MAX_MEMBERS = 64
-"""Most arrays in an `.npz`."""
+MAX_ARCHIVE_BYTES = 160 * 2**20  # largest sum of the unpacked arrays of an `.npz` [bytes]
+MAX_MEMBERS = 64  # most arrays in an `.npz`
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """What numpy writes; zipfile unpacks the others without any bound on memory."""
 
@@ -59,7 +57,7 @@ def parse_npy(data: bytes) -> np.ndarray:
     flat = np.frombuffer(data, dtype=dtype, offset=stream.tell())
     try:
         array = flat.reshape(shape, order="F" if fortran_order else "C")
-    except (ValueError, TypeError) as error:  # A thousand axes, or an empty one beside a huge one.
+    except (ValueError, TypeError) as error:  # a thousand axes, or an empty one beside a huge one.
         raise ImageError(f"not a numpy array ({_first_line(error)})") from None
     return array.astype(dtype.newbyteorder("="), copy=False)
 

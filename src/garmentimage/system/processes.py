@@ -49,8 +49,7 @@ class _Worker:
     connection: Connection
     item: int | None = None
     deadline: float = 0.0
-    given: int = 0
-    """Items so far."""
+    given: int = 0  # items so far
 
     def give(self, number: int, item: object, time_limit: float) -> None:
         self.item = number

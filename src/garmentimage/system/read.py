@@ -10,8 +10,7 @@ from typing import BinaryIO
 from garmentimage.errors import GarmentImageError
 from garmentimage.system.files import is_device, shown_path
 
-CHUNK = 2**20
-"""Read at a time [bytes]."""
+CHUNK = 2**20  # read at a time [bytes]
 
 
 def read_limited(

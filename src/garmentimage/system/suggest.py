@@ -3,8 +3,7 @@
 import difflib
 from collections.abc import Iterable
 
-_MAX_SHOWN = 12
-"""Names that a message lists; the others are counted."""
+_MAX_SHOWN = 12  # names that a message lists; the others are counted
 
 
 def did_you_mean(name: str, names: Iterable[str], *, otherwise: str | None = None) -> str:

@@ -32,16 +32,12 @@ FLAT_SHARE = 0.01
 """Panels whose planes are nearer than this share of the largest panel are in one plane."""
 SAME_PLACE_SHARE = 0.002
 """Panels whose origins are nearer than this share of the largest panel have no own place."""
-PARALLEL = 0.999
-"""Least cosine between the normals of panels in one plane."""
+PARALLEL = 0.999  # least cosine between the normals of panels in one plane
 UPRIGHT_SHARE = 0.4
 """Share of the cloth that must stand along z for the world to be z-up; real garments: to 0.22."""
-OPPOSITE = -0.5
-"""Cosine of the normals of a front and a back, seen from above."""
-MIN_TURN = 1.0
-"""A garment in radians has a panel that is turned by more than this [radians]."""
-QUARTER_TURN_TOL = 2e-3
-"""Rounding of a quarter turn that is written as 1.57 or 3.14 [radians]."""
+OPPOSITE = -0.5  # cosine of the normals of a front and a back, seen from above
+MIN_TURN = 1.0  # a garment in radians has a panel that is turned by more than this [radians]
+QUARTER_TURN_TOL = 2e-3  # rounding of a quarter turn that is written as 1.57 or 3.14 [radians]
 INWARD_SHARE = 0.01
 """A panel faces inwards where its centre lies this share of its size behind the garment's."""
 

@@ -30,8 +30,7 @@ from garmentimage.pattern.model import (
 )
 from garmentimage.pattern.seam_runs import STUB_CM, stubs
 
-MAX_NAME_LENGTH = 200
-"""Characters of a panel's name."""
+MAX_NAME_LENGTH = 200  # characters of a panel's name
 MAX_PANELS = 10_000
 """Panels of a pattern."""
 MAX_EDGES = 100_000
@@ -47,21 +46,17 @@ MIN_EDGE_LENGTH = 1e-6
 """Two vertices nearer than this are one place [cm]; real edges go down to 0.0005."""
 MIN_PANEL_WIDTH = 1e-7
 """Least area of a panel, as a share of its squared perimeter; a waistband of 1 x 1455 has 2e-4."""
-STRAIGHT_TOL = 1e-6
-"""Breadth of a set of points, as a share of its length, that makes it a line."""
+STRAIGHT_TOL = 1e-6  # breadth of a set of points, as a share of its length, that makes it a line
 GRAIN_TOL = 1e-6
 """How far the length of a grain line's direction may be from 1."""
 ARC_TOL = 1e-12
 """Share by which a radius may fall short of half the chord before it is called too short."""
 
-FAR_AWAY = 1e5
-"""Panel coordinates beyond this lose precision for nothing [cm]."""
-MAX_USUAL_EDGES = 1_000
-"""More edges than this in one panel are likely a traced outline."""
+FAR_AWAY = 1e5  # panel coordinates beyond this lose precision for nothing [cm]
+MAX_USUAL_EDGES = 1_000  # more edges than this in one panel are likely a traced outline
 MAX_GATHER_RATIO = 3.5
 """Sides of a stitch more unequal than this are likely a mistake; real gathers reach 3 and a bit."""
-GATHER_SLACK = 1.0
-"""A difference in length that is never worth a word [cm]."""
+GATHER_SLACK = 1.0  # a difference in length that is never worth a word [cm]
 SEGMENT_BLOCK = 512
 """Segments that are tested against all others at a time; bounds the memory of a scribble."""
 

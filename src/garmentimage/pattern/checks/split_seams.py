@@ -10,10 +10,8 @@ from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
 
 SAME_LENGTH = 0.05
 """Lengths that differ by less than this share are the same, but for a little ease."""
-MIN_MISSING = 0.1
-"""A free edge that is a smaller share of the longer side is not a forgotten half."""
-SMOOTH = 0.94
-"""Least cosine between edges that continue each other, 20 degrees."""
+MIN_MISSING = 0.1  # a free edge that is a smaller share of the longer side is not a forgotten half
+SMOOTH = 0.94  # least cosine between edges that continue each other, 20 degrees
 
 
 def half_sewn_findings(pattern: Pattern, numbers: Sequence[int]) -> list[Finding]:

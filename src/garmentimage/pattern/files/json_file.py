@@ -9,8 +9,7 @@ from garmentimage.errors import PatternError, PatternFileError, quoted
 from garmentimage.system import read_limited
 
 MAX_FILE_BYTES = 100_000_000
-MAX_NESTING = 100
-"""Objects and lists within each other."""
+MAX_NESTING = 100  # objects and lists within each other
 TOO_DEEP = f"nests objects and lists more than {MAX_NESTING} deep; no pattern does"
 OTHER_KINDS = (
     # (first bytes, what such a file is)

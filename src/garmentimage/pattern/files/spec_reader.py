@@ -55,18 +55,15 @@ from garmentimage.pattern.model import (
     relative_control,
 )
 
-SCHEMA = 1
-"""Version of the field "garmentimage"."""
+SCHEMA = 1  # version of the field "garmentimage"
 OURS = "garmentimage"
 SAME_DIRECTION_FLAG = "right_wrong"
 CM_PER_METRE = 100
 
-MAX_FINDINGS = 50
-"""Findings that reading one pattern gives; the rest is counted."""
+MAX_FINDINGS = 50  # findings that reading one pattern gives; the rest is counted
 ROUNDING_SHORTFALL = 1e-3
 """Share by which rounding may leave an arc's radius under half its chord; real files: 3e-6."""
-ROTATION_TOL = 1e-4
-"""How far a rotation matrix may be from orthonormal."""
+ROTATION_TOL = 1e-4  # how far a rotation matrix may be from orthonormal
 
 STRAIGHT_NAMES = ("line", "linear", "straight")
 """What other tools call the curvature of an edge that has none."""
@@ -89,12 +86,9 @@ def read_spec(data: Any, name: str = "") -> tuple[Pattern, tuple[Finding, ...]]:
 class _Units:
     """How the numbers of a file are to be understood."""
 
-    scale: float
-    """cm per file unit."""
-    absolute: bool
-    """Control points are given in panel coordinates."""
-    recentre: bool
-    """Panels are to be moved to the mean of their vertices."""
+    scale: float  # cm per file unit
+    absolute: bool  # control points are given in panel coordinates
+    recentre: bool  # panels are to be moved to the mean of their vertices
 
     def point(self, point: Point) -> Point:
         """A point of the file in cm."""

@@ -21,18 +21,14 @@ from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
 from garmentimage.system import write_atomically
 
 MM_PER_CM = 10.0
-MARGIN = 2.0
-"""Free space round every panel [cm]."""
+MARGIN = 2.0  # free space round every panel [cm]
 SHEET_SHAPE = 1.4
 """Wanted width of the sheet as a multiple of the side of a square of the same area."""
-GRAIN_SHARE = 0.5
-"""Length of a drawn grain line, as a share of the panel's smaller side."""
-NOTCH_LENGTH = 0.6
-"""Length of a drawn notch, into the cloth [cm]."""
+GRAIN_SHARE = 0.5  # length of a drawn grain line, as a share of the panel's smaller side
+NOTCH_LENGTH = 0.6  # length of a drawn notch, into the cloth [cm]
 TEXT_SIZE = 1.2
 """Height of the names [cm]."""
-GOLDEN_ANGLE = 137.508
-"""Step of the hue from stitch to stitch [degrees]; keeps neighbours apart."""
+GOLDEN_ANGLE = 137.508  # step of the hue from stitch to stitch [degrees]; keeps neighbours apart
 NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML cannot hold."""
 

@@ -15,8 +15,7 @@ QUADRATIC_TOL_CM = 0.05
 QUADRATIC_TOL_SHARE = 0.0015
 """A quadratic curve this near is taken before a cubic is tried."""
 
-MIN_CORNER_TURN = np.deg2rad(72.0)
-"""A turn between two chords that is a corner wherever it stands."""
+MIN_CORNER_TURN = np.deg2rad(72.0)  # a turn between two chords that is a corner wherever it stands
 
 MIN_SHARP_TURN = np.deg2rad(12.0)
 MIN_SHARPNESS = 3.0

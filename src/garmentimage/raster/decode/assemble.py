@@ -24,8 +24,7 @@ from garmentimage.raster.image import GarmentImage, PanelMark
 DEPTH_CM = 20.0
 """Distance of front and back panels from the plane between them, where no mark says better."""
 
-LAYER_STEP_CM = 3.0
-"""How much farther out each further pair of layers is placed."""
+LAYER_STEP_CM = 3.0  # how much farther out each further pair of layers is placed
 
 ORTHOGONAL_TOL = 1e-3
 
@@ -34,10 +33,8 @@ ORTHOGONAL_TOL = 1e-3
 class PanelFrames:
     """Each panel in a frame of its own: raster frame = matrix @ panel frame + shift."""
 
-    boundary: Boundary
-    """Half-edges in the frames of their panels [cm]."""
-    matrices: list[Float[np.ndarray, "2 2"]]
-    """For each cluster, orthogonal."""
+    boundary: Boundary  # half-edges in the frames of their panels [cm]
+    matrices: list[Float[np.ndarray, "2 2"]]  # for each cluster, orthogonal
     shifts: list[Float[np.ndarray, " 2"]]
     """For each cluster where the raster frame puts the panel's origin [cm]."""
 

@@ -16,8 +16,7 @@ from jaxtyping import Bool, Float, Int
 from garmentimage.raster.cells import NEIGHBOURS, CellMesh, half_edges
 from garmentimage.raster.image import EdgeType, GarmentImage, PanelMark
 
-NONE = -1
-"""No partner; or, in `following`, a half-edge that is no longer on any boundary."""
+NONE = -1  # no partner; or, in `following`, a half-edge that is no longer on any boundary
 
 OPEN_SLIT = np.deg2rad(0.05)
 """Legs that open by less than this angle at their tip lie on each other."""
@@ -32,10 +31,8 @@ class Cluster:
 
     layer: int
     mesh: CellMesh
-    vertices: Float[np.ndarray, "vertex 2"]
-    """Positions [cm]."""
-    mark: PanelMark | None
-    """What the image says of the panel."""
+    vertices: Float[np.ndarray, "vertex 2"]  # positions [cm]
+    mark: PanelMark | None  # what the image says of the panel
 
     @property
     def outward(self) -> int:
@@ -51,8 +48,7 @@ class Boundary:
     tail: Float[np.ndarray, "half 2"]
     head: Float[np.ndarray, "half 2"]
     """Start and end [cm]."""
-    partner: Int[np.ndarray, " half"]
-    """The half-edge that it is sewn to, or `NONE`."""
+    partner: Int[np.ndarray, " half"]  # the half-edge that it is sewn to, or `NONE`
     following: Int[np.ndarray, " half"]
     preceding: Int[np.ndarray, " half"]
 
@@ -111,10 +107,8 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
 class _ClusterSides(NamedTuple):
     """The half-edges of one cluster, numbered from 0."""
 
-    place: Int[np.ndarray, "half 4"]
-    """Layer, row and column of the cell, and its side."""
-    kind: Int[np.ndarray, " half"]
-    """`EdgeType` of each."""
+    place: Int[np.ndarray, "half 4"]  # layer, row and column of the cell, and its side
+    kind: Int[np.ndarray, " half"]  # `EdgeType` of each
     tail: Float[np.ndarray, "half 2"]
     head: Float[np.ndarray, "half 2"]
     onward: Int[np.ndarray, " half"]

@@ -17,16 +17,13 @@ from garmentimage.raster.decode.boundary import Boundary, Cluster
 from garmentimage.raster.decode.edges import CutEdge, Seams
 from garmentimage.raster.image import Division, GarmentImage
 
-FOUND_CM = 1e-6
-"""A vertex lies on an edge that comes this near."""
-DECIMALS = 6
-"""Of the share of a grid edge."""
+FOUND_CM = 1e-6  # a vertex lies on an edge that comes this near
+DECIMALS = 6  # of the share of a grid edge
 STRAIGHT_CM = 0.02
 """A part this near to its chord is a straight edge, as those of traced outlines are."""
 SNAP_CM = 0.5
 """Where a run was cut in two curves, the nearest vertex within this distance is the cut."""
-END_CM = 1e-3
-"""A vertex this near to the end of an edge is that end."""
+END_CM = 1e-3  # a vertex this near to the end of an edge is that end
 
 
 def shares_along(

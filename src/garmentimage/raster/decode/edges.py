@@ -18,22 +18,17 @@ class CutEdge(NamedTuple):
     """An edge of a boundary loop."""
 
     curve: Curve
-    run: int
-    """The half-edge at which its run starts."""
-    halves: list[int]
-    """The half-edges that it stands for."""
+    run: int  # the half-edge at which its run starts
+    halves: list[int]  # the half-edges that it stands for
 
 
 @dataclass(frozen=True)
 class Seams:
     """All loops cut into edges, and which edges are sewn together."""
 
-    loops: list[list[CutEdge]]
-    """In the order of `Boundary.loops`."""
-    stitches: list[tuple[tuple[int, int], tuple[int, int]]]
-    """Pairs of (loop, edge)."""
-    chords: dict[int, int]
-    """How many half-edges each run has, by the half-edge at which it starts."""
+    loops: list[list[CutEdge]]  # in the order of `Boundary.loops`
+    stitches: list[tuple[tuple[int, int], tuple[int, int]]]  # pairs of (loop, edge)
+    chords: dict[int, int]  # how many half-edges each run has, by the half-edge at which it starts
 
     @cached_property
     def polygons(self) -> list[Float[np.ndarray, "_ 2"]]:

@@ -22,8 +22,7 @@ MAX_STRAIGHTEN_ROUNDS = 4
 class FittedPanels:
     """Panels whose edges are curves."""
 
-    boundary: Boundary
-    """Half-edges after joining."""
+    boundary: Boundary  # half-edges after joining
     whole: Int[np.ndarray, " cluster"]
     """For each cluster the one that it was joined to; itself where none."""
     seams: Seams

@@ -12,36 +12,29 @@ from garmentimage.raster.cells import half_edges
 from garmentimage.raster.decode.boundary import Cluster
 from garmentimage.raster.image import LEFT, EdgeType, GarmentImage
 
-CROTCH_CM, SHOULDER_CM = 78.0, 138.0
-"""Heights above the floor that distinguish kinds of panels."""
+CROTCH_CM, SHOULDER_CM = 78.0, 138.0  # heights above the floor that distinguish kinds of panels
 
 ARM_CM = (22.0, 105.0)
 """A panel whose middle lies farther out and higher than this hangs on an arm: panels of the trunk
 have theirs within 20 cm of the axis, wide skirts theirs lower."""
 
-FOREARM_CM = 30.0
-"""A narrow panel on an arm that begins beyond this distance is a cuff."""
+FOREARM_CM = 30.0  # a narrow panel on an arm that begins beyond this distance is a cuff
 
-HEAD_CM = 133.0
-"""A panel whose middle lies higher is a hood or a collar."""
+HEAD_CM = 133.0  # a panel whose middle lies higher is a hood or a collar
 
 TRUNK_CM = 95.0
 """A panel whose middle lies higher, or which reaches nearly to the shoulders, covers the trunk."""
 
-REACH_TOL_CM = 8.0
-"""As much lower than the shoulder a panel may end and still reach it."""
+REACH_TOL_CM = 8.0  # as much lower than the shoulder a panel may end and still reach it
 
-BAND_CM = 14.0
-"""A waistband, a collar or a cuff is at most this wide."""
+BAND_CM = 14.0  # a waistband, a collar or a cuff is at most this wide
 
-MAX_BODICE_CM = 80.0
-"""Longer panels from the shoulder down are those of a dress, or of a jumpsuit."""
+MAX_BODICE_CM = 80.0  # longer panels from the shoulder down are those of a dress, or of a jumpsuit
 
 CENTRE_TOL_CM = 1.0
 """A panel that reaches farther than this beyond the body's axis on both sides is central."""
 
-_LEFT_SIDE, _RIGHT_SIDE = 3, 1
-"""Sides of a cell, as `half_edges` numbers them."""
+_LEFT_SIDE, _RIGHT_SIDE = 3, 1  # sides of a cell, as `half_edges` numbers them
 
 
 def panel_names(

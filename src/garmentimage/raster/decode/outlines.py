@@ -14,17 +14,14 @@ from garmentimage.raster.decode.boundary import Boundary, Cluster, close_slits, 
 from garmentimage.raster.decode.unfold import unfold_panel
 from garmentimage.raster.image import GarmentImage
 
-MIN_PANEL_CM2 = 1e-3
-"""Area of the smallest panel."""
+MIN_PANEL_CM2 = 1e-3  # area of the smallest panel
 
 
 class Effort(NamedTuple):
     """What is done so that the polyline round a panel does not cross itself."""
 
-    sews_slits: bool
-    """Overlapping slits are sewn up."""
-    pull: float
-    """How far edge vectors are pulled towards those of the undeformed grid."""
+    sews_slits: bool  # overlapping slits are sewn up
+    pull: float  # how far edge vectors are pulled towards those of the undeformed grid
 
 
 EFFORTS = (Effort(False, 0.0), Effort(True, 0.0), Effort(True, 0.5), Effort(True, 1.0))

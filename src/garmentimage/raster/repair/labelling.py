@@ -15,11 +15,9 @@ from garmentimage.raster.channels import EDGE_TYPE_COUNT, check_channels, one_ho
 from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
 from garmentimage.raster.repair._kernels import minimise_pair, set_types
 
-MAX_COST = 14.0
-"""Cost of a probability of 0, and the largest of all [nats]."""
+MAX_COST = 14.0  # cost of a probability of 0, and the largest of all [nats]
 
-NEIGHBOUR_GAIN = 0.2
-"""What a type gains from each grid edge of the same type that it touches."""
+NEIGHBOUR_GAIN = 0.2  # what a type gains from each grid edge of the same type that it touches
 
 _NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
 
@@ -28,8 +26,7 @@ _NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
 class UnaryCosts:
     """Costs of every value of flags and edge types [nats], and the deformation."""
 
-    inside: Float[np.ndarray, "2 layer row col"]
-    """Cost of outside, and of inside."""
+    inside: Float[np.ndarray, "2 layer row col"]  # cost of outside, and of inside
     types: Float[np.ndarray, "layer 2 4 row col"]
     """Cost of each type of the bottom and left grid edge."""
     deformation: Float[np.ndarray, "layer 4 2 row col"]
