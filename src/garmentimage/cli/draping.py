@@ -66,13 +66,8 @@ def drape_files(files: Sequence[Path], options: DrapeOptions, *, keep_bad: bool)
         )
     for note in worn.report.notes:
         print_line(f"note: {shown_path(files[0])}: {one_line(note)}")
-    asked = options.vertices
-    remark = (
-        explain_vertex_count(worn.cloth.vertex_count, asked)
-        if asked != DrapeOptions.vertices
-        else ""
-    )
-    if remark:
+    wanted, made = options.vertices, worn.cloth.vertex_count
+    if wanted != DrapeOptions.vertices and (remark := explain_vertex_count(made, wanted)):
         print_line(f"warning: {shown_path(files[0])}: {remark}")
     accept(worn, files[0], keep_bad=keep_bad)
     return worn

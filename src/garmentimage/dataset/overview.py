@@ -41,7 +41,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
             f"{shown_path(file)}: cannot be read ({error.strerror}); name a folder that "
             "`garmentimage build` made"
         ) from None
-    except (ValueError, RecursionError):
+    except (ValueError, RecursionError, KeyError, TypeError, AttributeError):
         raise DatasetError(
             f"{shown_path(file)}: is damaged; remove it and build the dataset again"
         ) from None
@@ -66,21 +66,15 @@ def dataset_hash(folder: Path) -> str:
 
 def _is_summary(data: Any) -> bool:
     """Whether data has the layout that `build_dataset` writes, in the parts used."""
-    if not isinstance(data, dict) or type(data.get("rows")) is not int:
-        return False
-    if not isinstance(data.get("recipe"), str) or type(data.get("seed")) is not int:
-        return False
-    shards = data.get("shards", {})
-    if not isinstance(shards, dict) or not all(
-        isinstance(shard, dict) and isinstance(shard.get("sha256"), str)
-        for shard in shards.values()
-    ):
-        return False
-    counts = [data.get("splits"), data.get("failed")]
-    return all(
-        isinstance(count, dict)
-        and all(name.isprintable() and type(n) is int and n >= 0 for name, n in count.items())
-        for count in counts
+    return (
+        type(data["rows"]) is type(data["seed"]) is int
+        and isinstance(data["recipe"], str)
+        and all(isinstance(shard["sha256"], str) for shard in data.get("shards", {}).values())
+        and all(
+            name.isprintable() and type(n) is int and n >= 0
+            for counts in (data["splits"], data["failed"])
+            for name, n in counts.items()
+        )
     )
 
 

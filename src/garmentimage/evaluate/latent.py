@@ -197,18 +197,21 @@ def _interpolation_record(codec: Codec, a: Pattern, b: Pattern) -> dict[str, Any
 
 def _edit_record(codec: Codec, triplet: Triplet) -> dict[str, Any]:
     a, b, c = codec.latents([triplet.a, triplet.b, triplet.c])
-    strongest, plain = edit(codec, a, b, c), edit(codec, a, b, c, reprojections=0, strengths=(1.0,))
-    results = {"settled and pushed": _score_edit(_measure_step(strongest.garment), triplet)}
-    if strongest.strength == 1:
-        results["settled"] = results["settled and pushed"]
-    else:
-        settled = edit(codec, a, b, c, strengths=(1.0,))
-        results["settled"] = _score_edit(_measure_step(settled.garment), triplet)
-    results["as in the paper"] = _score_edit(_measure_step(plain.garment), triplet)
-    return {"edit": triplet.edit.name, **results}
+    pushed = edit(codec, a, b, c)
+    best = settled = _score_edit(pushed.garment, triplet)
+    if pushed.strength != 1:
+        settled = _score_edit(edit(codec, a, b, c, strengths=(1.0,)).garment, triplet)
+    plain = edit(codec, a, b, c, reprojections=0, strengths=(1.0,))
+    return {
+        "edit": triplet.edit.name,
+        "settled and pushed": best,
+        "settled": settled,
+        "as in the paper": _score_edit(plain.garment, triplet),
+    }
 
 
-def _score_edit(found: MeasuredGarment, triplet: Triplet) -> dict[str, Any]:
+def _score_edit(step: DecodedGarment, triplet: Triplet) -> dict[str, Any]:
+    found = _measure_step(step)
     same = found.topology == _topology(triplet.truth)
     return {
         "intended": same,
