@@ -135,8 +135,6 @@ def parse_recipe(text: str) -> Recipe:
     _check_keys(data, _KEYS, required=_KEYS.keys() - optional)
     try:
         return _parse(data)
-    except DatasetError:
-        raise
     except GarmentImageError as error:
         raise DatasetError(str(error)) from None
 
