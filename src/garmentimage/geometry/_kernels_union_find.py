@@ -17,6 +17,7 @@ def find_root(parent, i):
     return i
 
 
+# Linked by index instead of rank, so that a root is the smallest number of its class.
 @njit(cache=True)
 def union(parent, i, j):
     """Make the classes of `i` and `j` one."""

@@ -256,6 +256,7 @@ def _has_tip(types: np.ndarray, wall: Wall) -> bool:
     return any(len(walls) == 1 for walls in meeting)
 
 
+# Rules on types alone, without costs: they only fill what both ends of a gap in a seam agree on.
 def repair_paper_cases(image: GarmentImage) -> tuple[Types, dict[str, int]]:
     """The two invalid cases that the paper repairs (Section 5).
 
