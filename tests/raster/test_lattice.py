@@ -53,14 +53,11 @@ def assert_disjoint(drawing, paths):
                     assert owner.setdefault((layer, vertex), name) == name
 
 
-def compacted(drawing, drawn, low, high):
-    state = drawn.paths, drawn.wanted
+def compacted(drawing, drawn):
     for _ in range(3):
         for along in (0, 1):
-            state = compact(drawing, *state, along, low, high) or compact(
-                drawing, *state, along, low, high, bounded=False
-            )
-    return state
+            drawn = compact(drawing, drawn, along) or compact(drawing, drawn, along, bounded=False)
+    return drawn
 
 
 @slowly
@@ -69,18 +66,18 @@ def test_fine_paths_and_coarse_paths_share_no_vertex(garment):
     drawing = plain_drawing(garment)
     drawn = route(drawing, FINE, 5.0)
     assert_disjoint(drawing, drawn.paths)
-    coarse, _ = compacted(drawing, drawn, 1, 15)
+    coarse, _ = compacted(drawing, drawn)
     assert_disjoint(drawing, coarse)
-    assert_disjoint(drawing, polish(drawing, coarse, 1, 15))
+    assert_disjoint(drawing, polish(drawing, coarse))
 
 
 @slowly
 @given(garments())
 def test_polishing_twice_changes_nothing(garment):
     drawing = plain_drawing(garment)
-    coarse, _ = compacted(drawing, route(drawing, FINE, 5.0), 1, 15)
-    once = polish(drawing, coarse, 1, 15)
-    for a, b in zip(once, polish(drawing, once, 1, 15), strict=True):
+    coarse, _ = compacted(drawing, route(drawing, FINE, 5.0))
+    once = polish(drawing, coarse)
+    for a, b in zip(once, polish(drawing, once), strict=True):
         assert np.array_equal(a, b)
 
 
@@ -102,7 +99,7 @@ def test_compaction_without_room_says_so():
     strip = _rectangle("strip", 60.0, 60.0)
     drawing = plain_drawing(Pattern((strip,)))
     drawn = route(drawing, FINE, 5.0)
-    assert compact(drawing, drawn.paths, drawn.wanted, 0, 5, 5) is None
+    assert compact(replace(drawing, grid=2), drawn, 0) is None
 
 
 def test_panels_far_off_the_body_are_refused_by_their_spread():
@@ -127,9 +124,9 @@ def test_an_arc_without_length_is_drawn_inside_the_grid(arc):
         nodes=replace(nodes, target=target),
         arcs=replace(arcs, curves=tuple(curves)),
     )
-    coarse, targets = compacted(crushed, route(crushed, FINE, 9.0, in_order=False), 1, 15)
+    coarse, targets = compacted(crushed, route(crushed, FINE, 9.0, in_order=False))
     assert np.isfinite(np.concatenate(targets)).all()
-    assert_disjoint(crushed, polish(crushed, coarse, 1, 15))
+    assert_disjoint(crushed, polish(crushed, coarse))
 
 
 def test_a_garment_without_a_place_is_refused():

@@ -23,7 +23,7 @@ def deform_quad_mesh(
 
     Args:
         rest: grid vertices before deformation [cm].
-        edges: directed pairs (i, j) into `rest`.
+        edges: directed pairs (i, j) into `rest`, every two vertices once.
         pinned: boundary vertices, each once.
         target: where the pinned vertices must lie [cm].
 
@@ -50,10 +50,8 @@ def deform_quad_mesh(
     # A mesh has some hundred vertices: a dense Cholesky factor is quicker than a sparse one.
     laplace = np.zeros((count, count))
     i, j = edges[:, 0], edges[:, 1]
-    np.add.at(laplace, (i, i), 1.0)
-    np.add.at(laplace, (j, j), 1.0)
-    np.add.at(laplace, (i, j), -1.0)
-    np.add.at(laplace, (j, i), -1.0)
+    laplace[i, j] = laplace[j, i] = -1.0
+    np.fill_diagonal(laplace, -laplace.sum(axis=1))
     right = laplace[free] @ rest - laplace[np.ix_(free, pinned)] @ target
     try:
         factor = scipy.linalg.cho_factor(laplace[np.ix_(free, free)], check_finite=False)

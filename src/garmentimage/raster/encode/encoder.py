@@ -76,19 +76,17 @@ def encode(
 def _encoded(pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool) -> GarmentImage:
     """See `encode`; errors name the grid or the garment's shape as the cause."""
     placed = place(pattern)
-    if all(panel.sign != panel.outward for panel in placed.panels):
+    if not any(panel.faces_out for panel in placed.panels):
         if unknown_place(pattern) is not None:
             raise EncodeError("all its panels face the body", remedy="pattern")
         pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
         placed = place(pattern)
     candidates = _CachedLayouts(layouts(build_seam_graph(placed)))
     expected = stitch_graph(pattern) if verify else None
-    if frame is not None:
-        return _encode(pattern, expected, candidates, frame)
     try:
-        return _encode(pattern, expected, candidates, BodyFrame.standard(grid))
+        return _encode(pattern, expected, candidates, frame or BodyFrame.standard(grid))
     except EncodeError as error:
-        if error.remedy == "pattern" or unknown_place(pattern) is not None:
+        if frame is not None or error.remedy == "pattern" or unknown_place(pattern) is not None:
             raise
         tried = [larger for larger in LARGER_GRIDS if larger > grid]
         for larger in tried:
@@ -171,11 +169,7 @@ def _encode(
 
 
 def _bowed_image(
-    pattern: Pattern,
-    expected: StitchGraph,
-    graph: SeamGraph,
-    paths: list[Path],
-    frame: BodyFrame,
+    pattern: Pattern, expected: StitchGraph, graph: SeamGraph, paths: list[Path], frame: BodyFrame
 ) -> GarmentImage | None:
     """The image of a drawing whose bends are bowed until it decodes to the pattern, if it does.
 

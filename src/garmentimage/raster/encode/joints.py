@@ -14,7 +14,7 @@ Words of this file:
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -25,14 +25,12 @@ from garmentimage.pattern import STUB_CM, Pattern, Side, sewn_runs, side_loops, 
 DENSE_EDGES, DENSE_CM = 5, 6.0
 """A stretch of so many edges, shorter than this [cm] on average, is traced. None of 30,000
 stretches of drafted garments and of those by others is."""
-
 CORNER = np.deg2rad(75.0)
 """A turn that is a corner wherever it stands."""
 SHARP_TURN = np.deg2rad(12.0)
 SHARP_FACTOR = 2.5
 """A turn beyond the first is a corner too if it is this many times what the turns beside it, for
 edges of their lengths, lead to expect."""
-
 SHIFT_CM = 0.5
 """Where two sewn sides are not divided alike, joining may bring points this far apart [cm]."""
 
@@ -102,13 +100,9 @@ def _stretches(pattern: Pattern, short: frozenset[Side]) -> Iterator[_Stretch]:
             yield _Stretch((tuple(ring),), whole_loop=True)
             continue
         turn = free.index(False)
-        chain: list[Side] = []
-        for side in (*ring[turn:], *ring[:turn], ring[turn]):
-            if side not in pattern.partners:
-                chain.append(side)
-            elif chain:
+        for is_sewn, chain in groupby((*ring[turn:], *ring[:turn]), pattern.partners.__contains__):
+            if not is_sewn:
                 yield _Stretch((tuple(chain),), whole_loop=False)
-                chain = []
     runs = sewn_runs(pattern)
     for k, run in enumerate(runs):
         if k < run.partner:
@@ -120,12 +114,9 @@ def _stretches(pattern: Pattern, short: frozenset[Side]) -> Iterator[_Stretch]:
 
 def _may_be_dense(pattern: Pattern) -> bool:
     """Whether a loop has short edges enough; most patterns have none."""
-    for _, ring in side_loops(pattern):
-        if len(ring) >= DENSE_EDGES:
-            shortest = sorted(ring, key=lambda side: pattern.curve(side).length)[:DENSE_EDGES]
-            if _is_dense(pattern, shortest):
-                return True
-    return False
+    rings = (ring for _, ring in side_loops(pattern) if len(ring) >= DENSE_EDGES)
+    by_length = (sorted(ring, key=lambda side: pattern.curve(side).length) for ring in rings)
+    return any(_is_dense(pattern, ring[:DENSE_EDGES]) for ring in by_length)
 
 
 def _is_dense(pattern: Pattern, edges: Sequence[Side]) -> bool:
@@ -135,10 +126,13 @@ def _is_dense(pattern: Pattern, edges: Sequence[Side]) -> bool:
 
 def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
     """The joints of a stretch on all its sides, and whether they are smooth on each."""
-    if stretch.whole_loop:
-        stretch = _begun_lowest(pattern, stretch)
-    count = len(stretch.sides[0])
-    walks = [_Walk.along(pattern, sides) for sides in stretch.sides]
+    starts = [pattern.curve(side).start[::-1] for side in stretch.sides[0]]
+    count = len(starts)
+    is_closed = stretch.whole_loop and pattern.curve(stretch.sides[0][-1]).end[::-1] == starts[0]
+    # A closed stretch begins at its lowest vertex: where its loop begins cannot matter.
+    turn = starts.index(min(starts)) if is_closed else 0
+    facing = [sides[turn:] + sides[:turn] for sides in stretch.sides]
+    walks = [_Walk.along(pattern, sides) for sides in facing]
     parts = _parts([walk.lengths for walk in walks])
     corners = np.zeros(len(parts) - 1, bool)
     for walk in walks:
@@ -150,25 +144,10 @@ def _joints(pattern: Pattern, stretch: _Stretch) -> Iterator[tuple[Side, bool]]:
         ends.add(1 + int(np.argmin(np.abs(reached - walks[0].lengths.sum() / 2))))
     if len(walks) == 2:
         ends |= _uneven([walk.lengths for walk in walks], sorted(ends))
-    first = 0 if _is_closed(pattern, stretch) else 1
-    for k in range(first, count):
-        for walk, sides in zip(walks, stretch.sides, strict=True):
+    for k in range(0 if is_closed else 1, count):
+        for walk, sides in zip(walks, facing, strict=True):
             # Walked against its loop, a joint lies where the edge before it starts.
             yield (sides[k - 1] if walk.against else sides[k]), k not in ends
-
-
-def _begun_lowest(pattern: Pattern, stretch: _Stretch) -> _Stretch:
-    """A stretch that is closed begun at its lowest vertex: where its loop begins cannot matter."""
-    if not _is_closed(pattern, stretch):
-        return stretch
-    starts = [pattern.curve(side).start[::-1] for side in stretch.sides[0]]
-    turn = starts.index(min(starts))
-    return _Stretch(tuple(s[turn:] + s[:turn] for s in stretch.sides), whole_loop=True)
-
-
-def _is_closed(pattern: Pattern, stretch: _Stretch) -> bool:
-    first, last = (pattern.curve(stretch.sides[0][k]) for k in (0, -1))
-    return stretch.whole_loop and first.start == last.end
 
 
 @dataclass(frozen=True)
@@ -176,11 +155,8 @@ class _Walk:
     """The edges of one side of a stretch, walked in the order of its first side."""
 
     lengths: Float[np.ndarray, " edge"]
-    starts: Float[np.ndarray, "edge 2"]
-    ends: Float[np.ndarray, "edge 2"]
-    leave: Float[np.ndarray, "edge 2"]
-    """Direction in which each edge leaves its start."""
-    arrive: Float[np.ndarray, "edge 2"]
+    tips: Float[np.ndarray, "edge 4 2"]
+    """Points of each edge at its start, just after it, just before its end, and there."""
     against: bool
     """The walk runs against the loop."""
 
@@ -190,23 +166,18 @@ class _Walk:
         against = len(curves) > 1 and curves[0].end != curves[1].start
         if against:
             curves = [curve.reversed() for curve in curves]
-        tips = np.array([curve.at(_TIPS) for curve in curves])
-        return cls(
-            lengths=np.array([curve.length for curve in curves]),
-            starts=tips[:, 0],
-            ends=tips[:, -1],
-            leave=tips[:, 1] - tips[:, 0],
-            arrive=tips[:, -1] - tips[:, -2],
-            against=against,
-        )
+        lengths = np.array([curve.length for curve in curves])
+        return cls(lengths, np.array([curve.at(_TIPS) for curve in curves]), against)
 
     def corners(self, parts: Sequence[int]) -> Bool[np.ndarray, " joint"]:
         """Which of the joints between parts are corners."""
         first, last = np.array(parts), np.array([*parts[1:], len(self.lengths)]) - 1
         single = (first == last)[:, None]
-        chord = self.ends[last] - self.starts[first]
-        leave = np.where(single, self.leave[first], chord)[1:]
-        arrive = np.where(single, self.arrive[first], chord)[:-1]
+        # A part of one edge leaves and arrives as the edge does, others along their chord.
+        begin, end = self.tips[first], self.tips[last]
+        chord = end[:, 3] - begin[:, 0]
+        leave = np.where(single, begin[:, 1] - begin[:, 0], chord)[1:]
+        arrive = np.where(single, end[:, 3] - end[:, 2], chord)[:-1]
         cross = arrive[:, 0] * leave[:, 1] - arrive[:, 1] * leave[:, 0]
         turn = np.arctan2(cross, (arrive * leave).sum(axis=1))
         length = np.add.reduceat(self.lengths, first)

@@ -27,21 +27,19 @@ FRONT, BACK = 0, 1
 
 EDGE_ON = 0.35
 """Panels with |R22| below this are laid flat to the side instead of projected."""
-
 LAYER_DEPTH = 5.0
 """Frontal panels closer together in depth than this [cm] do not separate front from back."""
-
 DEPTH_DEAD_ZONE = 1.0
 """Panels nearer to the middle plane than this [cm] take their layer from their outer face."""
-
 PLAIN_ANGLE = 30.0
 """Panels turned by less than this [degrees] from upright or lying are taken to be so."""
-
 UPRIGHT_PULL = 15.0
 """Length [cm] of an upright seam that would keep a part of a split panel upright."""
-
 AXIS_CLEARANCE = 1.0
 """Distance that the parts of a side panel keep from the body's axis [cm]."""
+GENERIC_SLOPE = 0.381966
+"""Direction along which places are put in order; a slope that no pattern has, so ties are rare."""
+QUARTER_TURN = np.array([[0, -1], [1, 0]])
 
 
 @dataclass(frozen=True)
@@ -70,9 +68,9 @@ class PlacedPanel:
     where the panel was cut."""
 
     @property
-    def outward(self) -> int:
-        """`sign` of a panel whose right side faces away from the body."""
-        return 1 if self.layer == FRONT else -1
+    def faces_out(self) -> bool:
+        """The panel's right side faces away from the body."""
+        return self.sign == (1 if self.layer == FRONT else -1)
 
     @property
     def outline(self) -> Float[np.ndarray, "n 2"]:
@@ -88,8 +86,6 @@ class PlacedSeam:
     b: tuple[int, int]
     crossed: bool
     """The start of `a` meets the end of `b`."""
-    cut: bool
-    """Made by splitting a wrapping panel; not a seam of the pattern."""
 
 
 @dataclass(frozen=True)
@@ -121,20 +117,18 @@ def place(pattern: Pattern) -> Placed:
     split_wrapping(split, middle)
     matrices = _matrices(split)
     poses = {id(p): (m, _offset(split, p, m)) for p, m in zip(split.parts, matrices, strict=True)}
-    parts = sorted(split.parts, key=lambda p: _place_key(split, p))
-    where = {edge: (i, k) for i, p in enumerate(parts) for k, edge in enumerate(_flat(p.loops))}
+    # By layer and place, so that file order cannot matter.
+    parts = sorted(split.parts, key=lambda p: (p.layer, _lean(split, p), p.name))
+    where = {edge: (i, k) for i, p in enumerate(parts) for k, edge in enumerate(p.edges)}
     panels = tuple(_placed(split, p, *poses[id(p)]) for p in parts)
-    seams = []
-    for edge, (other, crossed) in split.sewn.items():
-        if where[edge] < where[other]:
-            seams.append(PlacedSeam(where[edge], where[other], crossed, edge in split.cuts))
-    seams.sort(key=lambda s: (s.a, s.b))
+    sewn = [PlacedSeam(where[e], where[f], crossed) for e, (f, crossed) in split.sewn.items()]
+    seams = tuple(sorted((s for s in sewn if s.a < s.b), key=lambda s: (s.a, s.b)))
     for seam in seams:
         _check_flat(panels, seam)
     joined: dict[str, tuple[Point, ...]] = {}
     for side in joints.kept:
         joined[side.panel] = (*joined.get(side.panel, ()), pattern.curve(side).start)
-    return Placed(panels, tuple(seams), joined)
+    return Placed(panels, seams, joined)
 
 
 def middle_depth(split: SplitPattern) -> float:
@@ -177,17 +171,14 @@ def _matrices(split: SplitPattern) -> list[Matrix]:
     position nearest to it. Where it is unclear which of the two is meant, its seams with panels
     of known position decide, those with the longest seams first.
     """
-    matrices: dict[int, Matrix] = {}
-    askew: dict[int, list[Matrix]] = {}
-    for i, part in enumerate(split.parts):
-        if part.is_part or abs(part.rotation[2, 2]) < EDGE_ON:
-            matrices[i] = _laid_flat(split, part)
-            continue
-        choices = _upright(part.rotation)
-        if len(choices) == 1:
-            matrices[i] = choices[0]
-        else:
-            askew[i] = choices
+    choices = [
+        [_laid_flat(split, p)]
+        if p.is_part or abs(p.rotation[2, 2]) < EDGE_ON
+        else _upright(p.rotation)
+        for p in split.parts
+    ]
+    matrices = {i: poses[0] for i, poses in enumerate(choices) if len(poses) == 1}
+    askew = {i: poses for i, poses in enumerate(choices) if len(poses) > 1}
     sides = _seam_sides(split)
     while askew:
         known = {i: [s for s in sides if s.part == i and s.partner in matrices] for i in askew}
@@ -203,7 +194,7 @@ def _matrices(split: SplitPattern) -> list[Matrix]:
 
 def _seam_sides(split: SplitPattern) -> list[_SeamSide]:
     """Every seam, once from each side."""
-    owner = {e: i for i, p in enumerate(split.parts) for e in _flat(p.loops)}
+    owner = {e: i for i, p in enumerate(split.parts) for e in p.edges}
     sides = []
     for edge, (other, crossed) in split.sewn.items():
         mine = split.curves[edge][-1] - split.curves[edge][0]
@@ -276,18 +267,10 @@ def _upright(rotation: Float[np.ndarray, "3 3"]) -> list[Matrix]:
     angle = np.rad2deg(np.arctan2(turn[1, 0], turn[0, 0]))
     below = np.floor(angle / 90)
     beyond = angle / 90 - below
-    if beyond * 90 < PLAIN_ANGLE:
-        quarters = [below]
-    elif beyond * 90 > 90 - PLAIN_ANGLE:
-        quarters = [below + 1]
-    else:
-        quarters = [below, below + 1] if beyond < 0.5 else [below + 1, below]
-    return [_quarter_turns(int(q)) @ mirror for q in quarters]
-
-
-def _quarter_turns(count: int) -> Matrix:
-    cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[count % 4]
-    return np.array([[cos, -sin], [sin, cos]], float)
+    quarters = [below, below + 1] if beyond < 0.5 else [below + 1, below]
+    if beyond * 90 < PLAIN_ANGLE or beyond * 90 > 90 - PLAIN_ANGLE:
+        quarters = quarters[:1]
+    return [np.linalg.matrix_power(QUARTER_TURN, int(q) % 4) @ mirror for q in quarters]
 
 
 def _laid_flat(split: SplitPattern, part: PanelPart) -> Matrix:
@@ -314,44 +297,29 @@ def _nearest_orthogonal(matrix: Matrix) -> Matrix:
 def _placed(
     split: SplitPattern, part: PanelPart, matrix: Matrix, offset: Float[np.ndarray, " 2"]
 ) -> PlacedPanel:
-    numbers = iter(range(sum(map(len, part.loops))))
+    numbers = iter(range(len(part.edges)))
     panel = PlacedPanel(
         name=part.name,
         source=part.source,
         layer=part.layer,
-        curves=tuple(split.curves[e] @ matrix.T + offset for e in _flat(part.loops)),
+        curves=tuple(split.curves[e] @ matrix.T + offset for e in part.edges),
         loops=tuple(tuple(next(numbers) for _ in loop) for loop in part.loops),
         matrix=matrix,
         offset=offset,
         sign=1,
         is_part=part.is_part,
-        origin=tuple(split.origin.get(e) for e in _flat(part.loops)),
+        origin=tuple(split.origin.get(e) for e in part.edges),
     )
     return panel if signed_area(panel.outline) > 0 else replace(panel, sign=-1)
-
-
-def _flat(loops: list[list[int]]) -> list[int]:
-    return [edge for loop in loops for edge in loop]
-
-
-def _place_key(split: SplitPattern, part: PanelPart) -> tuple[int, float, str]:
-    """Where a panel stands in every list: by layer and place, so that file order cannot matter."""
-    return part.layer, _lean(split, part), part.name
-
-
-GENERIC_SLOPE = 0.381966
-"""Direction along which places are put in order; a slope that no pattern has, so ties are rare."""
 
 
 def _check_flat(panels: tuple[PlacedPanel, ...], seam: PlacedSeam) -> None:
     """Both sides must have their right side out, as cloth that lies flat has."""
     a, b = panels[seam.a[0]], panels[seam.b[0]]
-    same_face = a.sign * (-1) ** a.layer == b.sign * (-1) ** b.layer
-    if same_face == seam.crossed:
-        return
-    raise EncodeError(
-        f"panels {a.source[:80]!r} and {b.source[:80]!r} are sewn right side to wrong side, as for "
-        "a collar or lapel that needs a second cloth layer; leave that panel out, or turn it over "
-        "if it is inside out",
-        remedy="pattern",
-    )
+    if (a.faces_out == b.faces_out) != seam.crossed:
+        raise EncodeError(
+            f"panels {a.source[:80]!r} and {b.source[:80]!r} are sewn right side to wrong side, as "
+            "for a collar or lapel that needs a second cloth layer; leave that panel out, or turn "
+            "it over if it is inside out",
+            remedy="pattern",
+        )

@@ -5,6 +5,7 @@ and the deformation of the cells is that of the quad mesh over them, pulled onto
 boundary (Eq. 1).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,10 +38,16 @@ class _Drawn:
     bows: Bows
     """Edges that are bent more than they are, see `proof.Bows`."""
 
-    def path(self, panel: int, edge: int) -> Path:
-        """The path of an edge, in the direction of the edge."""
-        arc, back = self.graph.owner[panel, edge]
-        return self.paths[arc][::-1] if back else self.paths[arc]
+    def edges(self, index: int) -> Iterator[tuple[int, Path, Int[np.ndarray, "_ 2"]]]:
+        """Edges of a panel, the path of each in its direction, and the cloth's cells beside it."""
+        panel = self.graph.placed.panels[index]
+        for number, loop in enumerate(panel.loops):
+            # Cloth lies inside the outer loop, and outside holes.
+            outline = np.concatenate([panel.curves[k][:-1] for k in loop])
+            cloth_left = (signed_area(outline) > 0) == (number == 0)
+            for k in loop:
+                path = self.graph.along(self.paths, index, k)
+                yield k, path, _cloth_cells(path, cloth_left)
 
 
 def rasterize(
@@ -99,9 +106,6 @@ def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "2 row col"]:
 
     By the even-odd rule: a cell is inside where its row has crossed the panel's upright grid edges
     an odd number of times. Darts, whose legs are one path, leave nothing out.
-
-    Raises:
-        EncodeError: a panel without cells, or two panels on one cell.
     """
     graph, grid = drawn.graph, drawn.frame.grid
     owner = np.full((2, grid, grid), -1)
@@ -109,13 +113,11 @@ def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "2 row col"]:
     for i, panel in enumerate(panels):
         crossed = np.zeros((grid, grid + 1), int)
         for k in range(len(panel.curves)):
-            arc, _ = graph.owner[i, k]
-            if graph.arcs[arc].slit:
-                continue
-            path = drawn.paths[arc]
-            upright = path[:-1, 0] == path[1:, 0]
-            rows = np.minimum(path[:-1, 1], path[1:, 1])[upright]
-            np.add.at(crossed, (rows, path[:-1, 0][upright]), 1)
+            if not graph.arc(i, k).slit:
+                path = graph.along(drawn.paths, i, k)
+                upright = path[:-1, 0] == path[1:, 0]
+                rows = np.minimum(path[:-1, 1], path[1:, 1])[upright]
+                np.add.at(crossed, (rows, path[:-1, 0][upright]), 1)
         mask = (np.cumsum(crossed, axis=1) % 2)[:, :grid].astype(bool)
         if not mask.any():
             raise EncodeError(f"panel {panel.source!r} is too small for the grid")
@@ -134,13 +136,9 @@ def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "2 row col"]:
 def _check_clusters(
     graph: SeamGraph, owner: Int[np.ndarray, "2 row col"], edge_type: EdgeTypes
 ) -> None:
-    """Every panel must be one cluster of its own, as decoding will see it.
-
-    Raises:
-        EncodeError: one is not.
-    """
-    labels, count = label_panels(owner >= 0, edge_type)
+    """Every panel must be one cluster of its own, as decoding will see it."""
     inside = owner >= 0
+    labels, count = label_panels(inside, edge_type)
     pairs = set(zip(owner[inside].tolist(), labels[inside].tolist(), strict=True))
     if not len(pairs) == count == len(graph.placed.panels):
         panels = graph.placed.panels
@@ -178,49 +176,22 @@ def _boundary_targets(
     The vertices along an edge are spread evenly by length.
     """
     panel = drawn.graph.placed.panels[index]
-    number = np.full(mask.shape, -1)
-    number[mesh.cells[:, 0], mesh.cells[:, 1]] = np.arange(len(mesh.cells))
-    target = np.full((mesh.vertex_count, 2), np.nan)
-    for loop_number, loop in enumerate(panel.loops):
-        cloth_left = _has_cloth_left(panel, loop_number)
-        for k in loop:
-            path = drawn.path(index, k)
-            points = resample(panel.curves[k], np.linspace(0, 1, len(path)))
-            if bow := drawn.bows.get((panel.source, panel.origin[k])):
-                points = bowed(points, bow)
-            vertices = _boundary_vertices(path, cloth_left, number, mesh.corner_ids)
-            if vertices is None:
-                raise EncodeError(f"panel {panel.source!r} is turned inside out on the grid")
-            target[vertices[:, 0]] = points[:-1]
-            target[vertices[:, 1]] = points[1:]
-    return target
-
-
-def _has_cloth_left(panel: PlacedPanel, loop: int) -> bool:
-    """Whether the cloth lies on the left of a loop: the outer one, or a hole."""
-    outline = np.concatenate([panel.curves[k][:-1] for k in panel.loops[loop]])
-    return (signed_area(outline) > 0) == (loop == 0)
-
-
-def _boundary_vertices(
-    path: Path,
-    cloth_left: bool,
-    number: Int[np.ndarray, "row col"],
-    corner_ids: Int[np.ndarray, "cell 4"],
-) -> Int[np.ndarray, "step 2"] | None:
-    """Mesh vertices at both ends of each step of a path, on its cloth side; None off the mesh."""
-    cell = _cloth_cells(path, cloth_left)
-    if (cell < 0).any() or (cell >= len(number)).any():
-        return None
-    index = number[cell[:, 1], cell[:, 0]]
-    if (index < 0).any():
-        return None
+    # Numbers of the cells, in a rim of cells off the grid, which are none.
+    number = np.full(np.add(mask.shape, 2), -1)
+    number[1:-1, 1:-1][mask] = np.arange(len(mesh.cells))
     corner_of = np.array([[0, 3], [1, 2]])  # [dx, dy] -> bl, tl, br, tr
-    ends = []
-    for at in (path[:-1], path[1:]):
-        offset = at - cell
-        ends.append(corner_ids[index, corner_of[offset[:, 0], offset[:, 1]]])
-    return np.stack(ends, axis=1)
+    target = np.full((mesh.vertex_count, 2), np.nan)
+    for k, path, cell in drawn.edges(index):
+        points = resample(panel.curves[k], np.linspace(0, 1, len(path)))
+        if bow := drawn.bows.get((panel.source, panel.origin[k])):
+            points = bowed(points, bow)
+        beside = number[cell[:, 1] + 1, cell[:, 0] + 1]
+        if (beside < 0).any():
+            raise EncodeError(f"panel {panel.source!r} is turned inside out on the grid")
+        for ends, there in ((path[:-1], points[:-1]), (path[1:], points[1:])):
+            dx, dy = (ends - cell).T
+            target[mesh.corner_ids[beside, corner_of[dx, dy]]] = there
+    return target
 
 
 def _cloth_cells(path: Path, cloth_left: bool) -> Int[np.ndarray, "step 2"]:
@@ -239,14 +210,11 @@ def _divisions(drawn: _Drawn, index: int) -> tuple[Division, ...]:
     if not joined:
         return ()
     vertices = np.array(joined) @ panel.matrix.T + panel.offset
-    found: list[Division] = []
-    for loop_number, loop in enumerate(panel.loops):
-        cloth_left = _has_cloth_left(panel, loop_number)
-        for k in loop:
-            shares = shares_along(panel.curves[k], vertices)
-            path = drawn.path(index, k)
-            found += divisions_on(path, _cloth_cells(path, cloth_left), shares)
-    return tuple(found)
+    return tuple(
+        division
+        for k, path, cells in drawn.edges(index)
+        for division in divisions_on(path, cells, shares_along(panel.curves[k], vertices))
+    )
 
 
 def _mark(

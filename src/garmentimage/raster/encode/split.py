@@ -25,22 +25,16 @@ from garmentimage.raster.encode.joints import Joints
 
 SEEN_FROM_SIDE = 0.6
 """Only panels with |R22| below this are ever split."""
-
 CLEAR_CROSSING = 0.2
 """Share of a panel's depth beyond the middle plane at which it is split in any case."""
-
 NEIGHBOUR_CROSSING = 0.03
 """The same, for a panel whose stitched neighbours lie on both layers."""
-
 PARTNER_REACH = 0.3
 """Reach, in perimeters, to a vertex where the neighbours change from one layer to the other."""
-
 VERTEX_REACH = 0.035
 """Reach, in perimeters, to any other vertex."""
-
 MIN_PART_SHARE = 0.1
 """Share of a panel's area that either part must keep."""
-
 SUFFIXES = ("front", "back")
 
 
@@ -57,6 +51,11 @@ class PanelPart:
     is_part: bool = False
     """Part of a panel that was cut."""
 
+    @property
+    def edges(self) -> list[int]:
+        """All edges, loop by loop."""
+        return [edge for loop in self.loops for edge in loop]
+
 
 @dataclass
 class SplitPattern:
@@ -67,8 +66,6 @@ class SplitPattern:
     """Dense polyline of every edge, in the frame of its panel [cm]."""
     sewn: dict[int, tuple[int, bool]] = field(default_factory=dict)
     """For every sewn edge its partner, and whether the start of one meets the end of the other."""
-    cuts: set[int] = field(default_factory=set)
-    """Edges made by cutting."""
     origin: dict[int, int] = field(default_factory=dict)
     """For every edge that is not a cut, the number of the edge of its pattern's panel that it is,
     is a part of, or begins with."""
@@ -173,11 +170,8 @@ def cut_polyline(
     lengths = lengths_along(points)
     shares = lengths / lengths[-1]
     middle = resample(points, np.array([share]))
-    near = 1e-9
-    return (
-        np.concatenate([points[shares < share - near], middle]),
-        np.concatenate([middle, points[shares > share + near]]),
-    )
+    before, after = points[shares < share - 1e-9], points[shares > share + 1e-9]
+    return np.concatenate([before, middle]), np.concatenate([middle, after])
 
 
 def split_wrapping(split: SplitPattern, middle: float) -> None:
@@ -194,20 +188,15 @@ def split_wrapping(split: SplitPattern, middle: float) -> None:
     undecided = list(wrapping)
     for part in wrapping:
         points = _crossings(split, part, middle)
-        undecided_edges = {e for p in undecided for loop in p.loops for e in loop}
-        vertices = _choose_vertices(split, part, points, undecided_edges)
+        vertices = _choose_vertices(split, part, points, {e for p in undecided for e in p.edges})
         undecided.remove(part)
         _cut(split, part, vertices)
-
-
-def _depths(split: SplitPattern, part: PanelPart, middle: float) -> Float[np.ndarray, " n"]:
-    return split.world(part, split.polygon(part))[:, 2] - middle
 
 
 def _wraps(split: SplitPattern, part: PanelPart, middle: float) -> bool:
     if abs(part.rotation[2, 2]) >= SEEN_FROM_SIDE:
         return False
-    depths = _depths(split, part, middle)
+    depths = split.world(part, split.polygon(part))[:, 2] - middle
     extent = float(np.ptp(depths))
     beyond = min(depths.max(), -depths.min()) / extent if extent > 0 else 0.0
     if beyond > CLEAR_CROSSING:
@@ -228,7 +217,7 @@ def _crossings(split: SplitPattern, part: PanelPart, middle: float) -> list[floa
     depth = split.world(part, closed)[:, 2] - middle
     (i,) = np.nonzero((depth[:-1] <= 0) != (depth[1:] <= 0))
     places = along[i] + depth[i] / (depth[i] - depth[i + 1]) * (along[i + 1] - along[i])
-    pairs = list(itertools.combinations(places.tolist(), 2))
+    pairs = itertools.combinations(places.tolist(), 2)
     first, second = max(pairs, key=lambda p: _round_trip(p[0], p[1], along[-1]))
     return [first, second]
 
@@ -290,8 +279,7 @@ def _layer_changes(split: SplitPattern, part: PanelPart, undecided: set[int]) ->
 
 def _starts(split: SplitPattern, part: PanelPart) -> Float[np.ndarray, " _"]:
     """Length along the outer loop at which each edge starts, and the whole length."""
-    lengths = [polyline_length(split.curves[e]) for e in part.loops[0]]
-    return np.concatenate([[0.0], np.cumsum(lengths)])
+    return np.cumsum([0.0, *(polyline_length(split.curves[e]) for e in part.loops[0])])
 
 
 def _balance(split: SplitPattern, part: PanelPart, a: float, b: float) -> float:
@@ -335,7 +323,6 @@ def _cut(split: SplitPattern, part: PanelPart, vertices: list[int]) -> None:
         split.curves[number] = np.stack(ends)
         both.append(replace(part, loops=[[*run, number]], is_part=True))
     split.sew(*cut, crossed=True)
-    split.cuts |= set(cut)
     for hole in part.loops[1:]:
         _part_with_hole(split, part, both, hole).loops.append(hole)
     both.sort(key=lambda p: -split.centre(p)[2])

@@ -20,41 +20,14 @@ TOLERANCE = 1e-4
 
 
 @njit(cache=True)
-def number_variables(flat, lens, tail, head, nodes, along):
-    """A variable per run of vertices that share their coordinate; a node has one for all arcs.
-
-    Args:
-        flat: [vertex, 2] the paths, one after the other.
-        lens: [arc] vertices of each.
-        tail: [arc] node at the start.
-        head: [arc] node at the end.
-        nodes: how many there are.
-        along: the axis that is moved.
-
-    Returns:
-        [vertex] numbers of variables, not consecutive.
-    """
-    other = 1 - along
-    out = np.empty(len(flat), np.int64)
-    # Numbers below `nodes` are those of nodes, the others those of vertices.
-    parent = np.arange(nodes + len(flat))
-    at = 0
-    for i in range(len(lens)):
-        out[at] = tail[i]
-        for k in range(1, lens[i]):
-            is_across = flat[at + k, other] != flat[at + k - 1, other]
-            if k == lens[i] - 1:
-                out[at + k] = head[i]
-                # A last step across puts the vertex before the node on the line of the node.
-                if is_across:
-                    union(parent, head[i], out[at + k - 1])
-            else:
-                # A step across the axis keeps the coordinate, and with it the variable.
-                out[at + k] = out[at + k - 1] if is_across else nodes + at + k
-        at += lens[i]
-    for v in range(len(flat)):
-        out[v] = find_root(parent, out[v])
-    return out
+def merge(count, pairs):
+    """[number] the smallest number of those that [pair, 2] make one with it, out of `count`."""
+    parent = np.arange(count)
+    for k in range(len(pairs)):
+        union(parent, pairs[k, 0], pairs[k, 1])
+    for i in range(count):
+        parent[i] = find_root(parent, i)
+    return parent
 
 
 @njit(cache=True)
@@ -114,20 +87,21 @@ def neighbours(flat, lens, mask, variable, along, width, height):
 
 
 @njit(cache=True)
-def _project(target, weight, cons, stiff, low, high):
-    """Nearest point to `target` under X_v - X_u >= s and limits (dual coordinate ascent).
+def project(target, weight, rows, stiff, low, high):
+    """Nearest point to `target` under x_v - x_u >= s and limits (dual coordinate ascent).
 
     Args:
         target: [variable] t.
         weight: [variable] w.
-        cons: [row, 3] (u, v, s).
+        rows: [row, 3] (u, v, s).
         stiff: [row] 0 for a hard row, else it is a spring of that stiffness that only pushes.
         low: [variable] lower limit.
         high: [variable] upper limit.
     """
     x = target.copy()
     inverse = 1.0 / weight
-    m, n = len(cons), len(x)
+    m, n = len(rows), len(x)
+    lower, upper = rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64)
     # The multipliers of rows, of lower limits and of upper limits.
     force = np.zeros(m)
     floor_force = np.zeros(n)
@@ -135,9 +109,12 @@ def _project(target, weight, cons, stiff, low, high):
     for _ in range(MAX_SWEEPS):
         worst = 0.0
         for c in range(m):
-            u, v = int(cons[c, 0]), int(cons[c, 1])
+            u, v = lower[c], upper[c]
+            need = rows[c, 2] - (x[v] - x[u])
+            # Most rows neither push nor need to: nothing to divide.
+            if need <= 0.0 and force[c] == 0.0:
+                continue
             give = inverse[u] + inverse[v]
-            need = cons[c, 2] - (x[v] - x[u])
             if stiff[c] > 0:
                 # A spring yields by force / stiffness, so it needs less force.
                 need -= force[c] / stiff[c]
@@ -168,71 +145,20 @@ def _project(target, weight, cons, stiff, low, high):
 
 
 @njit(cache=True)
-def solve_integers(rows, stiff, ahead, back, target, weight, floor, roof):
-    """Integers nearest to the target that keep every hard row, and whether they do.
-
-    They are sound only if they keep every hard row and lie between floor and roof, so that what is
-    drawn with them is inside the grid; for a target that is NaN they never are.
-
-    Args:
-        rows: [row, 3] (u, v, s).
-        stiff: [row] 0 for a hard row, else the stiffness of a spring.
-        ahead: [row] order of the rows by the place of u, rising.
-        back: [row] order of the rows by the place of v, falling.
-        target: [variable] wanted coordinates.
-        weight: [variable] above 0.
-        floor: [variable] lower limit.
-        roof: [variable] upper limit.
-    """
-    # Tight limits first: without room there is nothing to solve.
-    low, high = _tightened(rows, stiff, ahead, back, floor, roof)
-    out = np.zeros(len(target), np.int64)
-    if (low > high).any():
-        return out, False
-    x = _project(target, weight, rows[ahead], stiff[ahead], low, high)
-    _round(x, rows, stiff, ahead, back, low, high)
-    for v in range(len(target)):
-        if not low[v] <= x[v] <= high[v]:
-            return out, False
-        out[v] = int(x[v])
-    return out, _keeps_all(out, rows, stiff)
-
-
-@njit(cache=True)
-def _tightened(rows, stiff, ahead, back, floor, roof):
-    """Limits of all variables: the longest paths through hard rows, from below and from above."""
-    low, high = floor.copy(), roof.copy()
-    for c in ahead:
-        if stiff[c] == 0:
-            u, v = int(rows[c, 0]), int(rows[c, 1])
-            low[v] = max(low[v], low[u] + rows[c, 2])
-    for c in back:
-        if stiff[c] == 0:
-            u, v = int(rows[c, 0]), int(rows[c, 1])
-            high[u] = min(high[u], high[v] - rows[c, 2])
-    return low, high
-
-
-@njit(cache=True)
-def _round(x, rows, stiff, ahead, back, low, high):
-    """Round coordinates, in place, to integers that keep the hard rows."""
-    for v in range(len(x)):
-        x[v] = min(max(np.floor(x[v] + 0.5), low[v]), high[v])
-    # Coordinate ascent stops a hair early; these passes make the integers exact.
-    for c in ahead:
-        if stiff[c] == 0:
-            u, v = int(rows[c, 0]), int(rows[c, 1])
-            x[v] = max(x[v], x[u] + rows[c, 2])
-    for c in back:
-        if stiff[c] == 0:
-            u, v = int(rows[c, 0]), int(rows[c, 1])
-            x[u] = min(x[u], x[v] - rows[c, 2])
-
-
-@njit(cache=True)
-def _keeps_all(x, rows, stiff):
-    """Whether integers keep every hard row."""
+def pushed_up(x, rows):
+    """Coordinates raised as far as [row, 3] (u, v, s) need, in one sweep in their order."""
+    x = x.copy()
     for c in range(len(rows)):
-        if stiff[c] == 0 and x[int(rows[c, 1])] - x[int(rows[c, 0])] < rows[c, 2]:
-            return False
-    return True
+        u, v = int(rows[c, 0]), int(rows[c, 1])
+        x[v] = max(x[v], x[u] + rows[c, 2])
+    return x
+
+
+@njit(cache=True)
+def pushed_down(x, rows):
+    """Coordinates lowered as far as [row, 3] (u, v, s) need, in one sweep in their order."""
+    x = x.copy()
+    for c in range(len(rows)):
+        u, v = int(rows[c, 0]), int(rows[c, 1])
+        x[u] = min(x[u], x[v] - rows[c, 2])
+    return x

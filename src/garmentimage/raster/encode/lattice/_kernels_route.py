@@ -29,8 +29,6 @@ TAKEN, CROWDED = 1e17, 1.5
 """Cost of a vertex for a node where another node of its layers is, or is next to it."""
 DX, DY = (1, 0, -1, 0), (0, 1, 0, -1)
 """Step along x and y in each direction."""
-MAX_ENDS = 8
-"""More arc ends than this round one node cannot be drawn: four on each layer."""
 
 
 class Net(NamedTuple):
@@ -63,13 +61,12 @@ class Routes(NamedTuple):
 
 
 class Search(NamedTuple):
-    """Scratch arrays of a search; a path has no loops, so none of them overflows."""
+    """Scratch arrays of a search for the cheapest path."""
 
-    cost: np.ndarray  # vertex
-    previous: np.ndarray  # vertex
+    cost: np.ndarray  # state
+    previous: np.ndarray  # state
     keys: np.ndarray  # heap
     items: np.ndarray  # heap
-    found: np.ndarray  # k: the path, from goal back to start
 
 
 @njit(cache=True)
@@ -100,12 +97,13 @@ def snap_nodes(target, layers, on_axis, axis, order):
                     if max(abs(dx), abs(dy)) != reach:
                         continue
                     x, y = cx + dx, cy + dy
-                    if axis >= 0 and ((on_axis[i] and x != axis) or (not on_axis[i] and x <= axis)):
+                    if _is_off_side(x, axis, on_axis[i]):
                         continue
                     cost = (x - target[i, 0]) ** 2 + (y - target[i, 1]) ** 2
                     cost = _with_crowding(cost, x, y, i, xy, placed, layers)
                     if cost < best:
                         best, bx, by = cost, x, y
+            # Two rings at least: the nearest free vertex may be crowded.
             if reach >= 2 and best < TAKEN / 10:
                 break
         xy[i, 0], xy[i, 1] = bx, by
@@ -119,6 +117,7 @@ def _with_crowding(cost, x, y, node, xy, placed, layers):
     for j in range(len(xy)):
         if placed[j] and layers[j] & layers[node]:
             gx, gy = abs(xy[j, 0] - x), abs(xy[j, 1] - y)
+            # A neighbour leaves arcs too little room to turn, but is better than none.
             if gx == 0 and gy == 0:
                 cost += TAKEN
             elif gx <= 1 and gy <= 1:
@@ -136,6 +135,7 @@ def nearest_points(points, polyline):
             ax, ay = polyline[k, 0], polyline[k, 1]
             ex, ey = polyline[k + 1, 0] - ax, polyline[k + 1, 1] - ay
             size = ex * ex + ey * ey
+            # Foot of the perpendicular, as a share of the segment; one that is a point has none.
             t = 0.0
             if size > 1e-12:
                 t = ((points[p, 0] - ax) * ex + (points[p, 1] - ay) * ey) / size
@@ -158,6 +158,7 @@ def distance_field(polyline, radius, out):
         bx, by = polyline[k + 1, 0], polyline[k + 1, 1]
         ex, ey = bx - ax, by - ay
         size = ex * ex + ey * ey
+        # Only vertices within reach of the segment: its box, widened by the radius.
         x0 = max(int(np.floor(min(ax, bx) - radius)), 0)
         x1 = min(int(np.ceil(max(ax, bx) + radius)), width - 1)
         y0 = max(int(np.floor(min(ay, by) - radius)), 0)
@@ -173,20 +174,21 @@ def distance_field(polyline, radius, out):
 
 
 @njit(cache=True)
-def reroute(order, chosen, net, traffic, price, routes, search):
+def reroute(order, chosen, net, traffic, price, routes, search, found):
     """Take out the paths of the chosen arcs, one by one, and find each a new one.
 
     Nodes and corridors lie on the lattice, 0 <= x < width and 0 <= y < height; an arc has two
-    different nodes.
+    different nodes. Traffic and routes are changed in place.
 
     Args:
         order: arc numbers, in the order in which they are routed.
         chosen: [arc] which of them.
         net: a `Net`.
-        traffic: a `Traffic`, changed in place.
+        traffic: a `Traffic`.
         price: cost of a vertex per path that uses it.
-        routes: a `Routes`, changed in place.
-        search: scratch.
+        routes: a `Routes`.
+        search: a `Search` with a state for each vertex.
+        found: [k] room for the longest path.
 
     Returns:
         False where an arc has no path, or none that fits `routes`.
@@ -195,15 +197,19 @@ def reroute(order, chosen, net, traffic, price, routes, search):
     for arc in order:
         if not chosen[arc]:
             continue
+        # Out first: a path costs its own arc nothing.
         _count_use(arc, net, traffic, routes, -1)
         tail, head = net.node_xy[net.tail[arc]], net.node_xy[net.head[arc]]
         start, goal = tail[1] * width + tail[0], head[1] * width + head[0]
-        count = _shortest(start, goal, arc, net, traffic, price, search)
+        # Without a path, or with one that winds without end, the drawing is given up.
+        count = _shortest(start, goal, arc, net, traffic, price, search, found)
         if count < 2 or count > routes.vertices.shape[1]:
             return False
         routes.lens[arc] = count
+        # A search is traced back from its goal.
         for k in range(count):
-            routes.vertices[arc, k] = search.found[count - 1 - k]
+            routes.vertices[arc, k] = found[count - 1 - k]
+        # Arcs routed after this one see where it runs, those before it in the next round.
         _count_use(arc, net, traffic, routes, 1)
     return True
 
@@ -215,6 +221,7 @@ def find_clashes(net, traffic, routes, clashing):
     for arc in range(len(clashing)):
         for k in range(1, routes.lens[arc] - 1):
             for layer in range(2):
+                # The arc's own use counts once.
                 is_on = net.layers[arc] >> layer & 1
                 if is_on and traffic.use[layer, routes.vertices[arc, k]] > 1:
                     clashing[arc] = True
@@ -230,12 +237,12 @@ def _count_use(arc, net, traffic, routes, change):
 
 
 @njit(cache=True)
-def _shortest(start, goal, arc, net, traffic, price, search):
-    """Cheapest path in an arc's corridor (Dijkstra 1959) into `search.found`, goal first.
+def _shortest(start, goal, arc, net, traffic, price, search, found):
+    """Cheapest path in an arc's corridor (Dijkstra 1959) into `found`, goal first.
 
     Returns the number of its vertices, 0 where there is no path.
     """
-    cost, previous, keys, items, found = search
+    cost, previous, keys, items = search
     is_node, use, history = traffic
     field, axis, on_axis, mask = net.corridors[arc], net.axis, net.on_axis[arc], net.layers[arc]
     leave, arrive = net.departures[arc, 0], net.departures[arc, 1]
@@ -261,6 +268,7 @@ def _shortest(start, goal, arc, net, traffic, price, search):
             other = y * width + x
             if other != goal and _is_off_side(x, axis, on_axis):
                 continue
+            # At both nodes a step may break the cyclic order; at the goal it is seen from there.
             extra = _turn_cost(step, leave) if vertex == start else 0.0
             if other == goal:
                 extra += _turn_cost((step + 2) % 4, arrive)
@@ -269,22 +277,23 @@ def _shortest(start, goal, arc, net, traffic, price, search):
             if extra < 0.0:
                 continue
             total = key + 1.0 + PULL * field[y, x] + extra
+            # The tolerance keeps the first of equal paths, whatever the rounding.
             if total < cost[other] - 1e-12:
                 cost[other] = total
                 previous[other] = vertex
                 if size < len(keys):
                     size = heap_push(keys, items, size, total, other)
-    return 0 if cost[goal] >= FAR * FAR else _trace_back(goal, previous, found)
+    return 0 if cost[goal] >= FAR * FAR else trace_back(goal, previous, found)
 
 
 @njit(cache=True)
-def _trace_back(goal, previous, found):
-    """Write the path that a search has left in `previous`, goal first; its vertices."""
-    count, vertex = 0, goal
-    while vertex >= 0:
-        found[count] = vertex
+def trace_back(last, previous, found):
+    """Write what leads to `last` into `found`, `last` first, as far as there is room; how many."""
+    count = 0
+    while last >= 0 and count < len(found):
+        found[count] = last
         count += 1
-        vertex = previous[vertex]
+        last = previous[last]
     return count
 
 
@@ -296,7 +305,7 @@ def _is_off_side(x, axis, on_axis):
 
 @njit(cache=True)
 def _turn_cost(direction, wanted):
-    """Cost of a direction at a node where another is wanted; -1 where any will serve."""
+    """Cost of a direction at a node where another is wanted; any will do where that is -1."""
     return WRONG_TURN if wanted >= 0 and direction != wanted else 0.0
 
 
@@ -305,6 +314,7 @@ def _with_congestion(extra, vertex, mask, is_node, use, history, price):
     """`extra` and what the traffic on a vertex costs, or -1 where a node blocks it."""
     for layer in range(2):
         if mask >> layer & 1:
+            # Not reached for the goal, the one node that an arc may enter.
             if is_node[layer, vertex]:
                 return -1.0
             extra += price * use[layer, vertex] + history[layer, vertex]
@@ -312,136 +322,65 @@ def _with_congestion(extra, vertex, mask, is_node, use, history, price):
 
 
 @njit(cache=True)
-def choose_departures(tail, head, layers, on_axis, node_on_axis, angles, nodes, has_axis):
-    """Directions in which arcs leave their nodes (see `rotation.departures`).
+def choose_directions(layers, angles):
+    """Directions in which arcs leave a node (see `rotation.departures`).
 
-    Of all assignments of the four directions to the arc ends of a node that give no two arcs of a
-    layer one direction, and have on each layer the cyclic order of the angles, the one that turns
-    the arcs least: the sum of 1 - cos(angle - direction) is smallest. At most 4^8 are tried.
+    Of all assignments of the four directions that give no two arcs of a layer one direction, and
+    have on each layer the cyclic order of the angles, the one that turns the arcs least: the sum of
+    1 - cos(angle - direction) is smallest. All 4^n are tried, n at most 8.
 
     Args:
-        tail: [arc] node at the start.
-        head: [arc] node at the end.
-        layers: [arc] bit masks.
-        on_axis: [arc] whether the whole arc lies on the mirror axis.
-        node_on_axis: [node] whether a node lies there.
-        angles: [arc, 2] in which the target leaves tail and head [radians].
-        nodes: how many there are.
-        has_axis: only the half right of a mirror axis is drawn.
+        layers: [end] bit masks of the arcs that end at the node.
+        angles: [end] in which their targets leave it [radians].
 
     Returns:
-        [arc, 2] directions, -1 where any will serve.
+        [end] directions, -1 where none will do.
     """
-    out = np.full((len(tail), 2), -1, np.int64)
-    room = np.empty((MAX_ENDS, 2), np.int64)
-    for node in range(nodes):
-        count = _ends_at(node, tail, head, room)
-        ends = room[: min(count, MAX_ENDS)]
-        if has_axis and node_on_axis[node]:
-            _leave_axis(ends, on_axis, angles, out)
-        elif count <= MAX_ENDS:
-            degree = max(_degree(ends, layers, 0), _degree(ends, layers, 1))
-            if 2 < degree <= 4:
-                _leave_in_order(ends, layers, angles, out)
+    best, out = FAR * FAR, np.full(len(layers), -1)
+    pick = np.zeros(len(layers), np.int64)
+    for code in range(4 ** len(layers)):
+        cost = _turning(code, layers, angles, best, pick)
+        # The order is dearer to test than the cost, and most codes fail by that.
+        if cost < best and _keeps_order(pick, layers, angles):
+            best = cost
+            out[:] = pick
     return out
 
 
 @njit(cache=True)
-def _ends_at(node, tail, head, out):
-    """Write the arc ends (arc, 0 at its tail or 1 at its head) at a node; how many there are."""
-    count = 0
-    for arc in range(len(tail)):
-        for end in range(2):
-            if (tail[arc] if end == 0 else head[arc]) == node:
-                if count < len(out):
-                    out[count, 0], out[count, 1] = arc, end
-                count += 1
-    return count
-
-
-@njit(cache=True)
-def _degree(ends, layers, layer):
-    """How many of the arc ends are on a layer."""
-    count = 0
-    for k in range(len(ends)):
-        count += layers[ends[k, 0]] >> layer & 1
-    return count
-
-
-@njit(cache=True)
-def _leave_axis(ends, on_axis, angles, out):
-    """From a node on the axis, arcs on it go up or down and all others to the right."""
-    for k in range(len(ends)):
-        arc, end = ends[k]
-        if on_axis[arc]:
-            out[arc, end] = 1 if np.sin(angles[arc, end]) > 0 else 3
-        else:
-            out[arc, end] = 0
-
-
-@njit(cache=True)
-def _leave_in_order(ends, layers, angles, out):
-    """The directions that turn the arcs at a node least and keep their cyclic order."""
-    count = len(ends)
-    best = FAR * FAR
-    pick = np.zeros(count, np.int64)
-    for code in range(4**count):
-        cost = _turning(code, ends, layers, angles, best, pick)
-        if cost >= best:
-            continue
-        if _keeps_order(ends, pick, layers, angles, 0) and _keeps_order(
-            ends, pick, layers, angles, 1
-        ):
-            best = cost
-            for k in range(count):
-                out[ends[k, 0], ends[k, 1]] = pick[k]
-
-
-@njit(cache=True)
-def _turning(code, ends, layers, angles, limit, pick):
+def _turning(code, layers, angles, limit, pick):
     """How much the directions that are the base-4 digits of `code`, put in `pick`, turn the arcs.
 
     At least `limit` where they turn them that much, or two arcs of a layer have one direction.
     """
     cost = 0.0
-    taken = np.zeros((2, 4), np.bool_)
-    for k in range(len(ends)):
+    # Layers in which each direction is taken, as bits.
+    taken = np.zeros(4, np.int64)
+    for k in range(len(layers)):
         d = code % 4
         code //= 4
         pick[k] = d
-        arc, end = ends[k]
-        for layer in range(2):
-            if layers[arc] >> layer & 1:
-                if taken[layer, d]:
-                    return limit
-                taken[layer, d] = True
-        cost += 1.0 - np.cos(angles[arc, end] - d * np.pi / 2)
-        if cost >= limit:
+        # 0 along the angle, at most 2 against it.
+        cost += 1.0 - np.cos(angles[k] - d * np.pi / 2)
+        if taken[d] & layers[k] or cost >= limit:
             return limit
+        taken[d] |= layers[k]
     return cost
 
 
 @njit(cache=True)
-def _keeps_order(ends, pick, layers, angles, layer):
-    """Whether directions and angles of one layer's arcs have the same cyclic order."""
-    by_direction = np.empty(4)
-    is_taken = np.zeros(4, np.bool_)
-    for k in range(len(ends)):
-        if layers[ends[k, 0]] >> layer & 1:
-            # Adding 10 rounds the last bits off: angles that differ by them alone are in any order.
-            by_direction[pick[k]] = angles[ends[k, 0], ends[k, 1]] + 10.0
-            is_taken[pick[k]] = True
-    return is_cyclic_order(by_direction[is_taken])
-
-
-@njit(cache=True)
-def is_cyclic_order(values):
-    """Whether numbers rise all the way round but for one place where they start again."""
-    count = len(values)
-    if count < 3:
-        return True
-    falls = 0
-    for k in range(count):
-        if values[(k + 1) % count] < values[k]:
-            falls += 1
-    return falls == 1
+def _keeps_order(pick, layers, angles):
+    """Whether directions and angles of each layer's arcs have the same cyclic order."""
+    by_direction, is_taken = np.empty(4), np.empty(4, np.bool_)
+    for layer in range(2):
+        is_taken[:] = False
+        for k in range(len(layers)):
+            if layers[k] >> layer & 1:
+                # Adding 10 rounds the last bits off: angles that differ by them are in any order.
+                by_direction[pick[k]] = angles[k] + 10.0
+                is_taken[pick[k]] = True
+        # The angles rise all the way round but for one place where they start again.
+        ring = by_direction[is_taken]
+        if len(ring) > 2 and (np.roll(ring, -1) < ring).sum() != 1:
+            return False
+    return True

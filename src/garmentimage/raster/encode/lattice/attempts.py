@@ -14,6 +14,7 @@ from garmentimage.raster.encode.lattice.compact import compact
 from garmentimage.raster.encode.lattice.drawing import (
     MAX_REQUIRED_EDGES,
     Drawing,
+    DrawnPaths,
     Path,
     drawing_of,
     joined_links,
@@ -21,7 +22,7 @@ from garmentimage.raster.encode.lattice.drawing import (
     with_required_edges,
 )
 from garmentimage.raster.encode.lattice.polish import polish
-from garmentimage.raster.encode.lattice.route import FinePaths, route
+from garmentimage.raster.encode.lattice.route import route
 from garmentimage.raster.encode.lattice.symmetry import find_mirror, right_half
 from garmentimage.raster.encode.layout import Layout, SeamGraph
 from garmentimage.raster.frame import BodyFrame
@@ -134,23 +135,20 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = T
     drawn = route(plain, fine, radius, in_order)
     for limit in MAX_REQUIRED_EDGES:
         linked = with_required_edges(plain, limit)
-        state = _compacted(linked, drawn)
-        if state is not None:
-            paths = polish(linked, state, 1, drawing.grid - 1)
-            return seen.restore(joined_links(linked, paths))
+        coarse = _compacted(linked, drawn)
+        if coarse is not None:
+            return seen.restore(joined_links(linked, polish(linked, coarse)))
     raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
 
 
-def _compacted(drawing: Drawing, drawn: FinePaths) -> list[Path] | None:
+def _compacted(drawing: Drawing, drawn: DrawnPaths) -> list[Path] | None:
     """The fine paths on the image's lattice, or None when there is no room."""
-    low, high = 1, drawing.grid - 1
-    state = drawn.paths, drawn.wanted
     for turn in range(PASSES):
         for along in (0, 1):
-            moved = compact(drawing, *state, along, low, high)
+            moved = compact(drawing, drawn, along)
             if moved is None and turn < PASSES - 1:
-                moved = compact(drawing, *state, along, low, high, bounded=False)
+                moved = compact(drawing, drawn, along, bounded=False)
             if moved is None:
                 return None
-            state = moved
-    return state[0]
+            drawn = moved
+    return drawn.paths

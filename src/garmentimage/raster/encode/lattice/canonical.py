@@ -50,15 +50,11 @@ def canonical(drawing: Drawing) -> Canonical:
         nodes = replace(nodes, target=nodes.target * flip + shift)
     reverse = tuple(_height(c[0]) > _height(c[-1]) for c in arcs.curves)
     arcs = arcs.with_reversed(reverse)
-    order = sorted(
-        range(len(arcs)),
-        key=lambda i: (
-            round(_height(arcs.curves[i][len(arcs.curves[i]) // 2]), ROUNDING),
-            round(_height(arcs.curves[i][0]), ROUNDING),
-            round(_height(arcs.curves[i][-1]), ROUNDING),
-            int(arcs.layers[i]),
-        ),
-    )
+    heights = [
+        [round(_height(curve[k]), ROUNDING) for k in (len(curve) // 2, 0, -1)]
+        for curve in arcs.curves
+    ]
+    order = sorted(range(len(arcs)), key=lambda i: (*heights[i], int(arcs.layers[i])))
     arcs = arcs.take(order)
     # Nodes in the order in which the arcs meet them.
     ends = np.stack([arcs.tail, arcs.head], axis=1).ravel()

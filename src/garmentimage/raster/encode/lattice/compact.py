@@ -20,11 +20,13 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.raster.encode.lattice._kernels_compact import (
+    merge,
     neighbours,
-    number_variables,
-    solve_integers,
+    project,
+    pushed_down,
+    pushed_up,
 )
-from garmentimage.raster.encode.lattice.drawing import Drawing, Path
+from garmentimage.raster.encode.lattice.drawing import Drawing, DrawnPaths, Path
 
 NODE_WEIGHT = 4.0
 """Weight of a node's target against one cell of path."""
@@ -37,237 +39,206 @@ UNBOUNDED = 1 << 20
 MIN_CELLS = 1e-9
 """An arc without length still has a target: without weight its vertices would have no place."""
 
+Rows = Float[np.ndarray, "_ 3"]
+"""(u, v, s): lower bounds on differences, x[v] - x[u] >= s."""
 
-class _Stack(NamedTuple):
-    """All paths, one after the other."""
 
+class _Axis(NamedTuple):
+    """All paths, one after the other, and their variables along one axis."""
+
+    drawing: Drawing
+    along: int
     vertices: Path
-    """Integer coordinates, from 0 on."""
+    """Integer coordinates, from 0 on, so that they can index arrays."""
     lens: Int[np.ndarray, " arc"]
-    starts: Int[np.ndarray, " arc"]
-    ends: Int[np.ndarray, " arc"]
-    """One past the last vertex of each."""
-
-
-class _Constraints(NamedTuple):
-    """Lower bounds on differences: x[v] - x[u] >= s."""
-
-    rows: Float[np.ndarray, "row 3"]
-    """(u, v, s)."""
-    stiffness: Float[np.ndarray, " row"]
-    """Of a spring that pushes to keep it, or 0 for one that must be kept."""
+    first: Int[np.ndarray, " arc"]
+    last: Int[np.ndarray, " arc"]
+    """First and last vertex of each."""
+    variable: Int[np.ndarray, " vertex"]
 
 
 def compact(
-    drawing: Drawing,
-    paths: list[Path],
-    wanted: list[Float[np.ndarray, "_ 2"]],
-    along: int,
-    low: int,
-    high: int,
-    *,
-    bounded: bool = True,
-) -> tuple[list[Path], list[Float[np.ndarray, "_ 2"]]] | None:
+    drawing: Drawing, drawn: DrawnPaths, along: int, *, bounded: bool = True
+) -> DrawnPaths | None:
     """New integer coordinates along one axis for every vertex of every path.
 
     Args:
         drawing: the graph.
-        paths: vertex-disjoint lattice paths (fine or coarse along either axis).
-        wanted: target of each path vertex, in coarse lattice coordinates.
+        drawn: vertex-disjoint lattice paths (fine or coarse along either axis), and their targets.
         along: 0 to move x, 1 to move y.
-        low: smallest coordinate allowed.
-        high: largest coordinate allowed.
-        bounded: whether the limits hold.
+        bounded: whether coordinates must be those of grid lines 1 to N - 1.
 
     Returns:
-        Paths and targets after the move, each path of two vertices or more and, where the limits
-        hold, between them; or None when there is no room.
+        Paths and targets after the move, each path of two vertices or more; None when there is no
+        room.
     """
-    lens = np.array([len(p) for p in paths])
-    # Coordinates from 0 on, so that they can index arrays.
-    ends = np.cumsum(lens)
-    flat = np.concatenate(paths)
-    base = flat.min(axis=0)
-    stack = _Stack(flat - base, lens, ends - lens, ends)
-    variable = number_variables(
-        stack.vertices, lens, drawing.arcs.tail, drawing.arcs.head, len(drawing.nodes), along
-    )
-    # Variables numbered without gaps; order and limits refer to these numbers.
-    _, variable = np.unique(variable, return_inverse=True)
+    flat, wanted = np.concatenate(drawn.paths), np.concatenate(drawn.wanted)
+    axis = _axis(drawing, flat, np.array([len(path) for path in drawn.paths]), along)
     # What lies on a line keeps its order. That alone may have no room, or be unsound.
-    order = _order(stack, drawing.arcs.layers, variable, along)
+    order = _order(axis)
     if order is None:
         return None
     # What is wanted: near the targets, with the grid edges that arcs require and desire.
-    target, weight = _targets(drawing, np.concatenate(wanted)[:, along], stack, variable, along)
-    limits = (low, high) if bounded else (-UNBOUNDED, UNBOUNDED)
-    floor, roof = _limits(drawing, stack, variable, along, *limits)
-    chords, springs = _chords(drawing, stack, variable, along)
-    constraints = _Constraints(
-        np.concatenate([order, chords]), np.concatenate([np.zeros(len(order)), springs])
-    )
-    place = np.zeros(variable.max() + 1, np.int64)
-    place[variable] = stack.vertices[:, along]
-    new = _solve_axis(constraints, place, target, weight, floor, roof)
+    required, desired, stiffness = _chords(axis)
+    springs = np.concatenate([np.zeros(len(order) + len(required)), stiffness])
+    rows = np.concatenate([order, required, desired])
+    new = _solve(axis, rows, springs, *_targets(axis, wanted[:, along]), bounded)
     if new is None:
         return None
-    moved = stack._replace(vertices=stack.vertices + base)
-    stretched, targets, owner = _stretched(moved, new[variable], np.concatenate(wanted), along)
-    sizes = np.bincount(owner, minlength=len(lens))
+    stretched, targets, owner = _stretched(axis, flat, new[axis.variable], wanted)
+    sizes = np.bincount(owner, minlength=len(axis.lens))
     if sizes.min() < 2:  # An arc that shrank to its nodes, which are one point.
         return None
     cuts = np.cumsum(sizes)[:-1]
-    return np.split(stretched, cuts), np.split(targets, cuts)
+    return DrawnPaths(np.split(stretched, cuts), np.split(targets, cuts))
 
 
-def _solve_axis(
-    constraints: _Constraints,
-    place: Int[np.ndarray, " variable"],
+def _axis(drawing: Drawing, flat: Path, lens: Int[np.ndarray, " arc"], along: int) -> _Axis:
+    """Number the variables: a node has one for all arcs."""
+    arcs, nodes = drawing.arcs, len(drawing.nodes)
+    last = np.cumsum(lens) - 1
+    first = last - lens + 1
+    # A step across the axis keeps the coordinate, and with it the variable.
+    is_across = flat[1:, 1 - along] != flat[:-1, 1 - along]
+    is_across[last[:-1]] = False
+    (k,) = np.nonzero(is_across)
+    # Numbers below `nodes` are those of nodes, the others those of vertices.
+    steps = [nodes + k, nodes + k + 1]
+    ends = [arcs.tail, nodes + first], [arcs.head, nodes + last]
+    classes = merge(nodes + len(flat), np.concatenate([steps, *ends], axis=1).T)[nodes:]
+    # Numbers without gaps; order and limits refer to them.
+    _, variable = np.unique(classes, return_inverse=True)
+    return _Axis(drawing, along, flat - flat.min(axis=0), lens, first, last, variable)
+
+
+def _solve(
+    axis: _Axis,
+    rows: Rows,
+    springs: Float[np.ndarray, " row"],
     target: Float[np.ndarray, " variable"],
     weight: Float[np.ndarray, " variable"],
-    floor: Float[np.ndarray, " variable"],
-    roof: Float[np.ndarray, " variable"],
+    bounded: bool,
 ) -> Int[np.ndarray, " variable"] | None:
     """Solve the quadratic program of the file's head in integers; None when there is no room.
 
-    Constraints only point from lower to higher places, so that two sweeps in the order of places,
-    up and down, carry limits through all of them.
+    `springs` is 0 for a row that must be kept, else the stiffness with which it pushes. Rows only
+    point from lower to higher places, so that two sweeps in the order of places, up and down, carry
+    limits through all of them.
     """
-    rows, stiffness = constraints
-    # Rows by the place of their lower variable, rising, and of their upper one, falling.
-    ahead = np.argsort(place[rows[:, 0].astype(np.int64)], kind="stable")
-    back = np.argsort(-place[rows[:, 1].astype(np.int64)], kind="stable")
-    new, is_sound = solve_integers(rows, stiffness, ahead, back, target, weight, floor, roof)
-    return np.asarray(new) if is_sound else None
+    place = np.zeros(len(target), np.int64)
+    place[axis.variable] = axis.vertices[:, axis.along]
+    u, v = rows[:, :2].T.astype(np.int64)
+    ahead, back = (np.argsort(by, kind="stable") for by in (place[u], -place[v]))
+    up, down = (rows[order][springs[order] == 0] for order in (ahead, back))
+    # Tight limits first: without room there is nothing to solve.
+    floor, roof = _limits(axis, len(target), bounded)
+    low, high = pushed_up(floor, up), pushed_down(roof, down)
+    if (low > high).any():
+        return None
+    x = project(target, weight, rows[ahead], springs[ahead], low, high)
+    # Coordinate ascent stops a hair early; these sweeps make the integers exact.
+    x = pushed_down(pushed_up(np.clip(np.floor(x + 0.5), low, high), up), down)
+    # What is drawn with them must be inside the grid, and a target that is NaN never is.
+    is_kept = (x[v] - x[u] >= rows[:, 2]) | (springs > 0)
+    is_sound = is_kept.all() and (low <= x).all() and (x <= high).all()
+    return x.astype(np.int64) if is_sound else None
 
 
 def _limits(
-    drawing: Drawing,
-    stack: _Stack,
-    variable: Int[np.ndarray, " vertex"],
-    along: int,
-    low: int,
-    high: int,
+    axis: _Axis, count: int, bounded: bool
 ) -> tuple[Float[np.ndarray, " variable"], Float[np.ndarray, " variable"]]:
     """Lower and upper limit of each variable: those of the grid, and of the mirror axis."""
-    count = variable.max() + 1
+    nodes, arcs, column = axis.drawing.nodes, axis.drawing.arcs, axis.drawing.axis
+    low, high = (1, axis.drawing.grid - 1) if bounded else (-UNBOUNDED, UNBOUNDED)
     floor, roof = np.full(count, float(low)), np.full(count, float(high))
-    if drawing.axis is not None and along == 0:
-        nodes, arcs = drawing.nodes, drawing.arcs
+    if column is not None and axis.along == 0:
         # What is not on the axis lies right of it; what is on it cannot move.
-        floor[:] = np.maximum(floor, drawing.axis + 1.0)
-        on_axis = np.concatenate(
-            [
-                variable[np.repeat(arcs.on_axis, stack.lens)],
-                variable[stack.starts][nodes.on_axis[arcs.tail]],
-                variable[stack.ends - 1][nodes.on_axis[arcs.head]],
-            ]
-        )
-        floor[on_axis] = roof[on_axis] = drawing.axis
+        floor = np.maximum(floor, column + 1.0)
+        is_fixed = np.repeat(arcs.on_axis, axis.lens)
+        is_fixed[axis.first] |= nodes.on_axis[arcs.tail]
+        is_fixed[axis.last] |= nodes.on_axis[arcs.head]
+        fixed = axis.variable[is_fixed]
+        floor[fixed] = roof[fixed] = column
     return floor, roof
 
 
 def _stretched(
-    stack: _Stack,
-    new: Int[np.ndarray, " vertex"],
-    wanted: Float[np.ndarray, "vertex 2"],
-    along: int,
+    axis: _Axis, flat: Path, new: Int[np.ndarray, " vertex"], wanted: Float[np.ndarray, "vertex 2"]
 ) -> tuple[Path, Float[np.ndarray, "after 2"], Int[np.ndarray, " after"]]:
     """All paths with new coordinates, collapsed steps dropped, long steps filled; targets; arcs."""
-    flat, lens, starts, _ = stack
     # A step along the axis becomes as many vertices as it is long now, perhaps none; a step
     # across it is always one.
     before = np.arange(len(flat)) - 1
-    before[starts] = starts
+    before[axis.first] = axis.first
     step = new - new[before]
-    is_across = flat[:, 1 - along] != flat[before, 1 - along]
+    is_across = flat[:, 1 - axis.along] != flat[before, 1 - axis.along]
     count = np.where(is_across, 1, np.abs(step))
-    count[starts] = 1
+    count[axis.first] = 1
     index = np.repeat(np.arange(len(flat)), count)
     number = np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + 1
-    back = (count[index] - number) * np.sign(step[index])
-    out = flat[index].copy()
-    out[:, along] = new[index] - back
+    out = flat[index]
+    out[:, axis.along] = new[index] - (count[index] - number) * np.sign(step[index])
     # Targets of new vertices lie between those of their step.
     share = (number / count[index])[:, None]
     targets = wanted[before[index]] * (1 - share) + wanted[index] * share
-    return out, targets, np.repeat(np.arange(len(lens)), lens)[index]
+    return out, targets, np.repeat(np.arange(len(axis.lens)), axis.lens)[index]
 
 
 def _targets(
-    drawing: Drawing,
-    wanted: Float[np.ndarray, " vertex"],
-    stack: _Stack,
-    variable: Int[np.ndarray, " vertex"],
-    along: int,
+    axis: _Axis, wanted: Float[np.ndarray, " vertex"]
 ) -> tuple[Float[np.ndarray, " variable"], Float[np.ndarray, " variable"]]:
     """Mean target and weight of each variable: a cell of path weighs 1, a node `NODE_WEIGHT`.
 
     Both count as much as their arcs do.
     """
-    nodes, arcs, lens = drawing.nodes, drawing.arcs, stack.lens
-    is_inner = np.ones(len(stack.vertices), bool)
-    is_inner[stack.starts] = is_inner[stack.ends - 1] = False
+    nodes, arcs, lens = axis.drawing.nodes, axis.drawing.arcs, axis.lens
     cells = np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in arcs.curves])
-    cells = np.maximum(cells, MIN_CELLS)
     # Fine paths have more vertices than coarse ones: a path weighs as its curve is long.
-    load = np.where(is_inner, np.repeat(arcs.weight * cells / lens, lens), 0.0)
-    count = variable.max() + 1
-    weight = np.bincount(variable, load, count)
-    target = np.bincount(variable, load * wanted, count)
+    load = np.repeat(arcs.weight * np.maximum(cells, MIN_CELLS) / lens, lens)
+    load[axis.first] = load[axis.last] = 0.0
+    weight = np.bincount(axis.variable, load)
+    target = np.bincount(axis.variable, load * wanted)
     ends = np.concatenate([arcs.tail, arcs.head])
-    at = np.concatenate([variable[stack.starts], variable[stack.ends - 1]])
     numbers, first = np.unique(ends, return_index=True)
-    pull = NODE_WEIGHT * drawing.node_weight[numbers]
-    np.add.at(weight, at[first], pull)
-    np.add.at(target, at[first], pull * nodes.target[numbers, along])
+    at = axis.variable[np.concatenate([axis.first, axis.last])[first]]
+    pull = NODE_WEIGHT * axis.drawing.node_weight[numbers]
+    np.add.at(weight, at, pull)
+    np.add.at(target, at, pull * nodes.target[numbers, axis.along])
     return target / weight, weight
 
 
-def _order(
-    stack: _Stack, layers: Int[np.ndarray, " arc"], variable: Int[np.ndarray, " vertex"], along: int
-) -> Float[np.ndarray, "row 3"] | None:
-    """Rows (u, v, s) for neighbours on a line, the strongest of equals; None if paths touch."""
-    flat = stack.vertices
+def _order(axis: _Axis) -> Rows | None:
+    """Rows for neighbours on a line, the strongest of equals; None if paths touch."""
+    flat, layers = axis.vertices, axis.drawing.arcs.layers
     width, height = (flat.max(axis=0) + 1).tolist()
-    pairs, is_sound = neighbours(flat, stack.lens, layers, variable, along, width, height)
+    pairs, is_sound = neighbours(flat, axis.lens, layers, axis.variable, axis.along, width, height)
     if not is_sound:
         return None
     # One number per row, which sorts rows of the same pair by strength.
     base = len(flat) + 1
     key = np.unique((pairs[:, 0] * base + pairs[:, 1]) * 2 + (1 - pairs[:, 2]))
-    pair, is_weak = key // 2, key % 2
-    is_first = np.concatenate([[True], pair[1:] != pair[:-1]]) if len(pair) else np.zeros(0, bool)
-    pair, is_weak = pair[is_first], is_weak[is_first]
-    return np.stack([pair // base, pair % base, 1 - is_weak], axis=1).astype(float)
+    pair, first = np.unique(key // 2, return_index=True)
+    return np.stack([pair // base, pair % base, 1 - key[first] % 2], axis=1).astype(float)
 
 
-def _chords(
-    drawing: Drawing, stack: _Stack, variable: Int[np.ndarray, " vertex"], along: int
-) -> tuple[Float[np.ndarray, "row 3"], Float[np.ndarray, " row"]]:
-    """Rows that keep grid edges for arcs along their main direction, and their stiffness.
+def _chords(axis: _Axis) -> tuple[Rows, Rows, Float[np.ndarray, " _"]]:
+    """Rows that keep grid edges for arcs along their main direction.
 
-    The fewest edges that an arc may have are kept (stiffness 0: hard); for its shape it desires
-    more (a spring), half of them where it runs diagonally.
+    The fewest edges that an arc may have must be kept; for its shape it desires more, half of them
+    where it runs diagonally: springs, whose stiffness comes third.
     """
-    arcs = drawing.arcs
-    tail, head = variable[stack.starts], variable[stack.ends - 1]
-    first, last = stack.vertices[stack.starts], stack.vertices[stack.ends - 1]
-    mine = np.abs(last - first)[:, along]
-    others = np.abs(last - first)[:, 1 - along]
+    arcs, along = axis.drawing.arcs, axis.along
+    first, last = axis.vertices[axis.first], axis.vertices[axis.last]
+    mine, others = np.abs(last - first)[:, [along, 1 - along]].T
     is_up = first[:, along] <= last[:, along]
-    u, v = np.where(is_up, tail, head), np.where(is_up, head, tail)
+    tail, head = axis.variable[axis.first], axis.variable[axis.last]
+    u, v = np.where(is_up, [tail, head], [head, tail])
     is_real = (u != v) & (mine > 0)
     # A diagonal arc has its grid edges along both axes, so each axis keeps its part of them.
     part = mine / np.maximum(mine + others, 1)
     hard = is_real & (mine >= others)
     soft = is_real & (arcs.desired_edges > 1.0) & (part > MIN_SPRING_SHARE)
-    rows = np.concatenate(
-        [
-            np.stack([u, v, np.minimum(np.ceil(arcs.min_edges * part), mine)], axis=1)[hard],
-            np.stack([u, v, np.minimum(arcs.desired_edges * part, mine)], axis=1)[soft],
-        ]
-    ).astype(float)
+    required = np.stack([u, v, np.minimum(np.ceil(arcs.min_edges * part), mine)], axis=1)[hard]
+    desired = np.stack([u, v, np.minimum(arcs.desired_edges * part, mine)], axis=1)[soft]
     grown = np.minimum(1.0, (part - MIN_SPRING_SHARE) * SPRING_GROWTH)
-    springs = SHAPE_WEIGHT * (arcs.weight * grown)[soft]
-    return rows, np.concatenate([np.zeros(int(hard.sum())), springs])
+    return required, desired, SHAPE_WEIGHT * (arcs.weight * grown)[soft]

@@ -41,6 +41,15 @@ LIMB_WEIGHT = 0.02
 line, the sleeve gives it up, and the trunk looks the same with it as without."""
 
 Path = Int[np.ndarray, "_ 2"]
+"""Vertices from tail to head, in lattice coordinates."""
+
+
+class DrawnPaths(NamedTuple):
+    """Lattice paths of the arcs, and the targets of their vertices."""
+
+    paths: list[Path]
+    wanted: list[Float[np.ndarray, "_ 2"]]
+    """Per arc the target of each vertex, in the image's lattice coordinates."""
 
 
 _Same = TypeVar("_Same", bound="_Records")
@@ -51,6 +60,9 @@ class _Records:
 
     def _columns(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(cast(Any, self))}
+
+    def __len__(self) -> int:
+        return len(next(iter(self._columns().values())))
 
     def take(self: _Same, rows: Sequence[int] | Int[np.ndarray, " _"]) -> _Same:
         """The given rows, in the given order."""
@@ -73,6 +85,13 @@ class _Records:
             }
         )
 
+    def with_row(self: _Same, index: int, **changes: Any) -> _Same:
+        """The records, some fields of one of them changed."""
+        row = {name: column[index] for name, column in self._columns().items()}
+        order = np.arange(len(self))
+        order[index] = len(self)
+        return self.append(**row | changes).take(order)
+
 
 @dataclass(frozen=True)
 class Nodes(_Records):
@@ -84,9 +103,6 @@ class Nodes(_Records):
     """Bit mask of layers."""
     on_axis: Bool[np.ndarray, " node"]
     """The node lies on the mirror axis."""
-
-    def __len__(self) -> int:
-        return len(self.layers)
 
 
 @dataclass(frozen=True)
@@ -112,12 +128,21 @@ class Arcs(_Records):
     weight: Float[np.ndarray, " arc"]
     """How much the arc's targets count, next to 1 for the trunk."""
 
-    def __len__(self) -> int:
-        return len(self.tail)
-
     def on_layer(self, layer: int) -> Bool[np.ndarray, " arc"]:
         """Which arcs lie on a layer."""
         return np.asarray((self.layers >> layer & 1).astype(bool))
+
+    def ends(self, layer: int) -> list[tuple[int, int, bool]]:
+        """(node, arc, at its head) for both ends of every arc on a layer."""
+        return [
+            (int(node), arc, at_head)
+            for arc in np.flatnonzero(self.on_layer(layer)).tolist()
+            for node, at_head in ((self.tail[arc], False), (self.head[arc], True))
+        ]
+
+    def away(self, arc: int, at_head: bool) -> Float[np.ndarray, "_ 2"]:
+        """The target of an arc, from one of its ends to the other."""
+        return self.curves[arc][::-1] if at_head else self.curves[arc]
 
     def with_reversed(self, is_reversed: Sequence[bool]) -> "Arcs":
         """The arcs, those marked run from head to tail."""
@@ -134,12 +159,9 @@ class Arcs(_Records):
         self, arc: int, at_head: bool, node: int, point: Float[np.ndarray, " 2"]
     ) -> "Arcs":
         """The arcs, one end of one of them moved to another node."""
-        ends = (self.head if at_head else self.tail).copy()
-        ends[arc] = node
         curve = self.curves[arc].copy()
         curve[-1 if at_head else 0] = point
-        curves = (*self.curves[:arc], curve, *self.curves[arc + 1 :])
-        return replace(self, curves=curves, **{"head" if at_head else "tail": ends})
+        return self.with_row(arc, curves=curve, **{"head" if at_head else "tail": node})
 
 
 class Link(NamedTuple):
@@ -162,6 +184,15 @@ class Drawing:
     axis: int | None = None
     """Lattice column of the mirror axis; nothing is drawn left of it."""
     links: tuple[Link, ...] = ()
+
+    @property
+    def degree(self) -> Int[np.ndarray, "2 node"]:
+        """How many arcs of each layer end at each node."""
+        degree = np.zeros((2, len(self.nodes)), int)
+        for layer in (0, 1):
+            on = self.arcs.on_layer(layer)
+            np.add.at(degree[layer], np.concatenate([self.arcs.tail[on], self.arcs.head[on]]), 1)
+        return degree
 
     @property
     def node_weight(self) -> Float[np.ndarray, " node"]:
@@ -228,34 +259,37 @@ def with_links(drawing: Drawing) -> Drawing:
     Raises:
         EncodeError: five sewn seams meet in one point.
     """
-    degree = np.zeros((2, len(drawing.nodes)), int)
-    for layer in (0, 1):
-        on = drawing.arcs.on_layer(layer)
-        np.add.at(degree[layer], drawing.arcs.tail[on], 1)
-        np.add.at(degree[layer], drawing.arcs.head[on], 1)
-    for layer, node in np.argwhere(degree > MAX_DEGREE).tolist():
-        drawing = _with_link(drawing, layer, node)
+    for layer, node in np.argwhere(drawing.degree > MAX_DEGREE).tolist():
+        ends = _linkable_ends(drawing, layer, node)
+        middle = np.mean([drawing.arcs.away(*end)[1] for end in ends], axis=0)
+        drawing = with_link(drawing, node, ends, middle)
     return drawing
 
 
-def _with_link(drawing: Drawing, layer: int, node: int) -> Drawing:
-    """Two arc ends beside one gap get a node of their own, to which a link leads."""
-    ends = _linkable_ends(drawing, layer, node)
+def with_link(
+    drawing: Drawing,
+    node: int,
+    ends: list[tuple[int, bool]],
+    place: Float[np.ndarray, " 2"],
+    *,
+    on_axis: bool = False,
+) -> Drawing:
+    """Arc ends (arc, at its head) at a node get a new one at `place`, to which a link leads."""
     nodes, arcs = drawing.nodes, drawing.arcs
     new, link = len(nodes), len(arcs)
-    middle = np.mean([arcs.curves[arc][-2 if at_head else 1] for arc, at_head in ends], axis=0)
     for arc, at_head in ends:
-        arcs = arcs.with_end(arc, at_head, new, middle)
+        arcs = arcs.with_end(arc, at_head, new, place)
+    first, _ = ends[0]
     return replace(
         drawing,
-        nodes=nodes.append(target=middle, layers=1 << layer, on_axis=False),
+        nodes=nodes.append(target=place, layers=arcs.layers[first], on_axis=on_axis),
         arcs=arcs.append(
             tail=node,
             head=new,
-            layers=1 << layer,
+            layers=arcs.layers[first],
             is_free=True,
-            on_axis=False,
-            curves=np.stack([nodes.target[node], middle]),
+            on_axis=on_axis,
+            curves=np.stack([nodes.target[node], place]),
             min_edges=1,
             required_edges=1,
             desired_edges=1.0,
@@ -266,19 +300,14 @@ def _with_link(drawing: Drawing, layer: int, node: int) -> Drawing:
 
 
 def _linkable_ends(drawing: Drawing, layer: int, node: int) -> list[tuple[int, bool]]:
-    """The two free arc ends (arc, at its head) beside the narrowest gap round a node.
-
-    Raises:
-        EncodeError: no two free arcs of this layer alone are neighbours.
-    """
+    """The two free arc ends (arc, at its head) beside the narrowest gap round a node."""
     arcs = drawing.arcs
     star = []
-    for arc in range(len(arcs)):
-        for at_head, end in ((False, arcs.tail[arc]), (True, arcs.head[arc])):
-            if end == node and arcs.layers[arc] >> layer & 1:
-                curve = arcs.curves[arc][::-1] if at_head else arcs.curves[arc]
-                away = curve[min(2, len(curve) - 1)] - curve[0]
-                star.append((float(np.arctan2(away[1], away[0])), arc, at_head))
+    for end, arc, at_head in arcs.ends(layer):
+        if end == node:
+            curve = arcs.away(arc, at_head)
+            x, y = curve[min(2, len(curve) - 1)] - curve[0]
+            star.append((float(np.arctan2(y, x)), arc, at_head))
     star.sort()
     gaps = []
     for first, second in zip(star, star[1:] + star[:1], strict=True):
@@ -298,15 +327,10 @@ def joined_links(drawing: Drawing, paths: list[Path]) -> list[Path]:
     """Paths of the arcs alone: links are put in front of the arcs that they were taken from."""
     paths = list(paths)
     for arc, link, at_head in drawing.links:
-        prefix = paths[link]
-        if at_head:
-            paths[arc] = np.concatenate([paths[arc], prefix[::-1][1:]])
-        else:
-            paths[arc] = np.concatenate([prefix[:-1], paths[arc]])
-    if drawing.links:
-        first = min(link for _, link, _ in drawing.links)
-        paths = paths[:first]
-    return paths
+        first, second = (arc, link) if at_head else (link, arc)
+        onward = paths[second][::-1] if at_head else paths[second]
+        paths[arc] = np.concatenate([paths[first][:-1], onward])
+    return paths[: len(paths) - len({link for _, link, _ in drawing.links})]
 
 
 def _min_edges(tail: np.ndarray, head: np.ndarray, layers: np.ndarray) -> np.ndarray:

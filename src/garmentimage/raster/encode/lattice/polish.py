@@ -1,43 +1,44 @@
 """Polishing: a coarse drawing is changed step by step until no step lowers its energy.
 
 The energy (see `_kernels_polish`) sums squared distances from targets, the number of grid edges,
-and what is missing of the grid edges that arcs desire. Two moves, both keeping the faces of the
-drawing: an arc is taken out and drawn again by the cheapest free path; a node steps to a
-neighbouring lattice point and its arcs are drawn again. A move counts only if paths share no vertex
-and the cyclic order of arcs round every node touched is the same as before, which for connected
-drawings means the same faces.
+and what is missing of the grid edges that arcs desire. Every step keeps the faces of the drawing.
 """
 
 import numpy as np
 
-from garmentimage.raster.encode.lattice._kernels_polish import Graph, Lattice, minimise_energy
+from garmentimage.raster.encode.lattice._kernels_polish import (
+    MAX_LENGTH,
+    Graph,
+    State,
+    minimise_energy,
+)
 from garmentimage.raster.encode.lattice.drawing import Drawing, Path
+from garmentimage.raster.encode.lattice.route import new_search
 
 ROOM = 8
 """Vertices of the longest path that is polished, per grid line."""
 
 
-def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Path]:
+def polish(drawing: Drawing, paths: list[Path]) -> list[Path]:
     """Move paths and nodes of a valid coarse drawing until their energy is lowest nearby.
 
     Args:
         drawing: the graph and its targets.
-        paths: vertex-disjoint lattice paths of unit steps, at least one, between `low` and `high`.
-        low: smallest lattice coordinate allowed, both axes; at least 1.
-        high: largest lattice coordinate allowed, both axes; at most N - 1.
+        paths: vertex-disjoint lattice paths of unit steps, at least one, on grid lines 1 to N - 1.
     """
     nodes, arcs, width = drawing.nodes, drawing.arcs, drawing.grid + 1
-    assert 1 <= low <= high < drawing.grid and len(paths) == len(arcs)
-    for path in paths:
-        assert len(path) > 1 and low <= path.min() and path.max() <= high, "a path leaves the grid"
-    lens = np.array([len(p) for p in paths])
+    lens = np.array([len(path) for path in paths])
+    assert len(paths) == len(arcs) and lens.min() > 1
+    assert all(path.min() >= 1 and path.max() < drawing.grid for path in paths)
     if lens.max() > ROOM * width:
         return paths
     # Paths as numbers of vertices, in rows of one table that leaves room to grow.
     table = np.zeros((len(paths), ROOM * width), np.int64)
-    for i, path in enumerate(paths):
-        table[i, : len(path)] = path[:, 1] * width + path[:, 0]
-    # Compiled code takes arrays: curves one after the other, and where each starts.
+    for row, path in zip(table, paths, strict=True):
+        row[: len(path)] = path @ [1, width]
+    # Compiled code takes arrays: what belongs together one after the other, and where each starts.
+    ends = np.stack([arcs.tail, arcs.head], axis=1).ravel()
+    by_node = np.argsort(ends, kind="stable")
     graph = Graph(
         tail=arcs.tail,
         head=arcs.head,
@@ -46,15 +47,31 @@ def polish(drawing: Drawing, paths: list[Path], low: int, high: int) -> list[Pat
         min_edges=arcs.min_edges,
         desired_edges=arcs.desired_edges,
         weight=arcs.weight,
+        ends=by_node,
+        first=np.searchsorted(ends[by_node], np.arange(len(nodes) + 1)),
         node_target=nodes.target,
         node_layers=nodes.layers,
         node_on_axis=nodes.on_axis,
         node_weight=drawing.node_weight,
         targets=np.concatenate(arcs.curves),
-        starts=np.concatenate([[0], np.cumsum([len(c) for c in arcs.curves])]),
+        starts=np.cumsum([0, *map(len, arcs.curves)]),
+        width=width,
+        axis=-1 if drawing.axis is None else drawing.axis,
     )
-    axis = -1 if drawing.axis is None else drawing.axis
-    minimise_energy(graph, Lattice(width, low, high, axis), table, lens)
+    where = np.full(len(nodes), -1)
+    where[arcs.tail], where[arcs.head] = table[:, 0], table[np.arange(len(lens)), lens - 1]
+    state = State(
+        table=table,
+        lens=lens,
+        where=where,
+        busy=np.zeros((2, width * width), bool),
+        energy=np.empty(len(lens)),
+        rotation=np.empty((len(nodes), 2, 4), np.int64),
+        search=new_search(width * width * MAX_LENGTH),
+        found=np.empty(ROOM * width, np.int64),
+    )
+    minimise_energy(graph, state)
     return [
-        np.stack([table[i, :n] % width, table[i, :n] // width], axis=1) for i, n in enumerate(lens)
+        np.stack([row[:n] % width, row[:n] // width], axis=1)
+        for row, n in zip(table, lens, strict=True)
     ]

@@ -5,10 +5,10 @@ direction (0 right, 1 up, 2 left, 3 down). An arc of both layers leaves in one d
 """
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
-from garmentimage.raster.encode.lattice._kernels_route import choose_departures
-from garmentimage.raster.encode.lattice.drawing import Drawing
+from garmentimage.raster.encode.lattice._kernels_route import choose_directions
+from garmentimage.raster.encode.lattice.drawing import MAX_DEGREE, Drawing
 
 ONWARD = 0.05
 """Share of the direction farther on in the direction of a curve at its end."""
@@ -22,30 +22,22 @@ def departures(drawing: Drawing) -> Int[np.ndarray, "arc 2"]:
     """
     nodes, arcs, curves = drawing.nodes, drawing.arcs, drawing.arcs.curves
     assert all(len(c) > 1 and np.isfinite(c).all() for c in curves)
-    first = np.array([c[1] - c[0] for c in curves])
-    last = np.array([c[-2] - c[-1] for c in curves])
-    second = np.array([c[min(2, len(c) - 1)] - c[0] for c in curves])
-    second_last = np.array([c[max(len(c) - 3, 0)] - c[-1] for c in curves])
-    angles = np.stack([_angle(first, second), _angle(last, second_last)], axis=1)
-    return np.asarray(
-        choose_departures(
-            arcs.tail,
-            arcs.head,
-            arcs.layers,
-            arcs.on_axis,
-            nodes.on_axis,
-            angles,
-            len(nodes),
-            drawing.axis is not None,
-        )
-    )
-
-
-def _angle(
-    near: Float[np.ndarray, "arc 2"], far: Float[np.ndarray, "arc 2"]
-) -> Float[np.ndarray, " arc"]:
-    """Direction of the curve at its end; a little of what follows breaks ties."""
-    vector = near / (np.hypot(*near.T)[:, None] + 1e-12)
-    onward = far / (np.hypot(*far.T)[:, None] + 1e-12)
-    vector = vector + ONWARD * onward
-    return np.asarray(np.arctan2(vector[:, 1], vector[:, 0]))
+    away = [c for curve in curves for c in (curve, curve[::-1])]
+    near = np.array([c[1] - c[0] for c in away])
+    onward = np.array([c[min(2, len(c) - 1)] - c[0] for c in away])
+    near, onward = (v / (np.hypot(*v.T)[:, None] + 1e-12) for v in (near, onward))
+    # A little of what follows breaks ties.
+    x, y = (near + ONWARD * onward).T
+    angles = np.arctan2(y, x).reshape(-1, 2)
+    ends = np.stack([arcs.tail, arcs.head], axis=1)
+    out = np.full(ends.shape, -1)
+    # From a node on the axis, arcs on it go up or down and all others to the right.
+    at_axis = nodes.on_axis[ends]
+    up_or_down = np.where(np.sin(angles) > 0, 1, 3)
+    out[at_axis] = np.where(arcs.on_axis[:, None], up_or_down, 0)[at_axis]
+    # Two arcs have one cyclic order only, and for five there is no room.
+    degree = drawing.degree.max(axis=0)
+    for node in np.flatnonzero(~nodes.on_axis & (degree > 2) & (degree <= MAX_DEGREE)):
+        arc, end = np.nonzero(ends == node)
+        out[arc, end] = choose_directions(arcs.layers[arc], angles[arc, end])
+    return out

@@ -5,8 +5,6 @@ their target; where paths meet, the vertices become dearer round by round until 
 found its own (negotiated congestion, as circuits are routed; see `_kernels_route`).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Int
 
@@ -22,7 +20,7 @@ from garmentimage.raster.encode.lattice._kernels_route import (
     reroute,
     snap_nodes,
 )
-from garmentimage.raster.encode.lattice.drawing import Drawing, Path
+from garmentimage.raster.encode.lattice.drawing import Drawing, DrawnPaths, Path
 from garmentimage.raster.encode.lattice.rotation import departures
 
 MAX_ROUNDS = 40
@@ -41,17 +39,7 @@ MAX_COORDINATE = 1e9
 """Targets lie nearer than this to the grid's corner [fine steps]."""
 
 
-@dataclass(frozen=True)
-class FinePaths:
-    """Lattice paths on the fine lattice, and the targets of their vertices."""
-
-    paths: list[Path]
-    """Per arc [n, 2], from tail to head, in fine lattice coordinates."""
-    wanted: list[np.ndarray]
-    """Per arc [n, 2]: target of each vertex, in (coarse) lattice coordinates."""
-
-
-def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> FinePaths:
+def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> DrawnPaths:
     """Draw every arc on the lattice that is `fine` times finer than the image.
 
     Args:
@@ -97,15 +85,17 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
         near = nearest_points(path.astype(np.float64), curves[i])
         near[0], near[-1] = target[arcs.tail[i]], target[arcs.head[i]]
         wanted.append((near + low) / fine)
-    return FinePaths([path + low for path in paths], wanted)
+    return DrawnPaths([path + low for path in paths], wanted)
+
+
+def new_search(states: int) -> Search:
+    """Room for a search; each of four neighbours may put a state on the heap."""
+    cost, keys = np.empty(states), np.empty(4 * states)
+    return Search(cost, np.empty(states, np.int32), keys, np.empty(4 * states, np.int32))
 
 
 def _extent(drawing: Drawing, fine: int) -> tuple[Int[np.ndarray, " 2"], int, int]:
-    """Lowest corner, width and height of the fine lattice round a drawing.
-
-    Raises:
-        EncodeError: it has no place, or is too large.
-    """
+    """Lowest corner, width and height of the fine lattice round a drawing."""
     targets = np.concatenate(drawing.arcs.curves) * fine
     if not (np.isfinite(targets).all() and np.abs(targets).max() < MAX_COORDINATE):
         raise EncodeError("the garment has no place on the grid; check the placement of its panels")
@@ -135,11 +125,7 @@ def _routing_order(drawing: Drawing, fine: int) -> Int[np.ndarray, " arc"]:
 def _disjoint_paths(
     net: Net, node_layers: Int[np.ndarray, " node"], order: Int[np.ndarray, " arc"]
 ) -> list[Path]:
-    """Paths that share no inner vertex in a layer: rip-up and re-route until none clash.
-
-    Raises:
-        EncodeError: some still do after `MAX_ROUNDS`, or an arc has no path.
-    """
+    """Paths that share no inner vertex in a layer: rip-up and re-route until none clash."""
     count, height, width = net.corridors.shape
     size = width * height
     # A node blocks its vertex for all paths of its layers but its own.
@@ -151,17 +137,11 @@ def _disjoint_paths(
     # A longer path winds: it is refused.
     longest = 4 * (width + height)
     routes = Routes(np.zeros((count, longest), np.int32), np.zeros(count, np.int64))
-    search = Search(
-        cost=np.empty(size),
-        previous=np.empty(size, np.int32),
-        keys=np.empty(4 * size),
-        items=np.empty(4 * size, np.int32),
-        found=np.empty(size, np.int32),
-    )
+    search, found = new_search(size), np.empty(size, np.int32)
     price = FIRST_PRICE
     clashing = np.ones(count, bool)
     for _ in range(MAX_ROUNDS):
-        if not reroute(order, clashing, net, traffic, price, routes, search):
+        if not reroute(order, clashing, net, traffic, price, routes, search, found):
             break
         find_clashes(net, traffic, routes, clashing)
         if not clashing.any():

@@ -24,21 +24,11 @@ MIN_IOU = 0.92
 
 def lost_shape(graph: SeamGraph, paths: list[Path]) -> str:
     """The panel whose edges have too few grid edges for their bends, in words; "" if none has."""
-    counts: dict[tuple[int, int], int] = {}
-    sewn: set[tuple[int, int]] = set()
-    for arc, path in zip(graph.arcs, paths, strict=True):
-        for index, edge, _ in arc.sides:
-            counts[index, edge] = len(path) - 1
-            if arc.kind != EdgeType.NON_STITCH:
-                sewn.add((index, edge))
     for index, panel in enumerate(graph.placed.panels):
         edges = range(len(panel.curves))
-        reason = _lost_by(
-            panel,
-            [counts[index, edge] for edge in edges],
-            [(index, edge) in sewn for edge in edges],
-        )
-        if reason:
+        counts = [len(graph.along(paths, index, edge)) - 1 for edge in edges]
+        is_sewn = [graph.arc(index, edge).kind != EdgeType.NON_STITCH for edge in edges]
+        if reason := _lost_by(panel, counts, is_sewn):
             return reason
     return ""
 

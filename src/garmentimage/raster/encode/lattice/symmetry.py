@@ -7,16 +7,16 @@ differences between the halves are kept in the deformation, where they belong.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from garmentimage.geometry import resample
 from garmentimage.raster.encode.lattice.drawing import (
     Arcs,
     Drawing,
-    Link,
     Nodes,
     Path,
     layers_used,
+    with_link,
 )
 from garmentimage.raster.encode.layout import Layout
 
@@ -26,16 +26,16 @@ AXIS_REACH = 4.0
 """The garment's own axis lies within this of the body's axis [cm]."""
 SAMPLES = 9
 """Points at which two arcs are compared."""
-_CUT_COLUMNS = ("tail", "head", "min_edges", "required_edges", "desired_edges")
-"""What changes where an arc is cut at the axis."""
 
 
 @dataclass(frozen=True)
 class Mirror:
-    """For each arc its partner, and whether the partner runs against it."""
+    """What the mirror image of each arc and of each node is."""
 
-    partner: tuple[int, ...]
-    reverse: tuple[bool, ...]
+    partner: Int[np.ndarray, " arc"]
+    reverse: Bool[np.ndarray, " arc"]
+    """The partner runs against the arc."""
+    node: Int[np.ndarray, " node"]
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,9 @@ class MirrorHalf:
 
     drawing: Drawing
     mirror: Mirror
-    kept: tuple[int, ...]
+    kept: Int[np.ndarray, " kept"]
     """Arc of the whole drawing for each arc of the half."""
-    crossing: tuple[int, ...]
+    crossing: list[int]
     """0 for a whole arc; +1 / -1 for the half of an arc that crosses the axis and ends there at
     its head / its tail."""
 
@@ -87,14 +87,12 @@ def find_mirror(layout: Layout) -> Mirror | None:
     if gap[here, partner].max() > SYMMETRY_TOLERANCE or (partner[partner] != here).any():
         return None
     reverse = back[here, partner] < ahead[here, partner]
-    ends: dict[int, int] = {}
-    for i, arc in enumerate(arcs):
-        other = arcs[partner[i]]
-        images = (other.b, other.a) if reverse[i] else (other.a, other.b)
-        for node, image in zip((arc.a, arc.b), images, strict=True):
-            if ends.setdefault(node, image) != image:
-                return None
-    return Mirror(tuple(partner.tolist()), tuple(reverse.tolist()))
+    # Partners meet in partners: else the halves are not joined alike.
+    ends = np.array([(arc.a, arc.b) for arc in arcs])
+    images = np.where(reverse[:, None], ends[partner, ::-1], ends[partner])
+    node = np.arange(layout.graph.node_count)
+    node[ends] = images
+    return Mirror(partner, reverse, node) if (node[ends] == images).all() else None
 
 
 def right_half(drawing: Drawing, mirror: Mirror) -> MirrorHalf | None:
@@ -107,10 +105,10 @@ def right_half(drawing: Drawing, mirror: Mirror) -> MirrorHalf | None:
     axis = drawing.grid // 2
     nodes = _symmetric_nodes(drawing, mirror, axis)
     arcs = _symmetric_arcs(drawing, mirror, axis)
-    here, partner = np.arange(len(arcs)), np.array(mirror.partner)
+    here, partner = np.arange(len(arcs)), mirror.partner
     middle = np.array([curve[:, 0].mean() for curve in arcs.curves])
     is_left = (middle < axis) | ((middle == axis) & (here > partner))
-    is_crossing = (partner == here) & np.array(mirror.reverse)
+    is_crossing = (partner == here) & mirror.reverse
     kept = np.flatnonzero((partner == here) | ~is_left)
     arcs = arcs.take(kept)
     crossing = [
@@ -122,31 +120,27 @@ def right_half(drawing: Drawing, mirror: Mirror) -> MirrorHalf | None:
     used = layers_used(len(nodes), arcs.tail, arcs.head, arcs.layers)
     half = replace(drawing, nodes=replace(nodes, layers=used), arcs=arcs, axis=axis)
     half = _with_axis_links(half)
-    if not _fits_axis(half):
+    # An axis node has room for one arc a layer that leaves the axis.
+    leaving = [[node for node, _, _ in _leaving(half, layer)] for layer in (0, 1)]
+    if any(len(set(nodes)) < len(nodes) for nodes in leaving):
         return None
-    return MirrorHalf(half, mirror, tuple(kept.tolist()), tuple(crossing))
+    return MirrorHalf(half, mirror, kept, crossing)
 
 
 def _symmetric_nodes(drawing: Drawing, mirror: Mirror, axis: int) -> Nodes:
     """Nodes halfway between themselves and their mirrored partners."""
-    nodes, arcs = drawing.nodes, drawing.arcs
-    image = np.arange(len(nodes))
-    for i, (j, back) in enumerate(zip(mirror.partner, mirror.reverse, strict=True)):
-        ends = (arcs.head[j], arcs.tail[j]) if back else (arcs.tail[j], arcs.head[j])
-        image[arcs.tail[i]], image[arcs.head[i]] = ends
-    target = nodes.target - [_centre(drawing), 0]
-    target = (target + target[image] * [-1.0, 1.0]) / 2 + [axis, 0]
-    on_axis = image == np.arange(len(image))
+    target = drawing.nodes.target - [_centre(drawing), 0]
+    target = (target + target[mirror.node] * [-1.0, 1.0]) / 2 + [axis, 0]
+    on_axis = mirror.node == np.arange(len(target))
     target[on_axis, 0] = axis
-    return replace(nodes, target=target, on_axis=on_axis)
+    return replace(drawing.nodes, target=target, on_axis=on_axis)
 
 
 def _symmetric_arcs(drawing: Drawing, mirror: Mirror, axis: int) -> Arcs:
     """Arcs halfway between themselves and their mirrored partners, all still there."""
     arcs, centre = drawing.arcs, _centre(drawing)
     pair = arcs.take(mirror.partner)
-    is_own = np.array(mirror.partner) == np.arange(len(arcs))
-    on_axis = is_own & ~np.array(mirror.reverse)
+    on_axis = (mirror.partner == np.arange(len(arcs))) & ~mirror.reverse
     curves = []
     columns = zip(arcs.curves, pair.curves, mirror.reverse, on_axis, strict=True)
     for own, other, back, is_vertical in columns:
@@ -170,24 +164,20 @@ def _symmetric_arcs(drawing: Drawing, mirror: Mirror, axis: int) -> Arcs:
 def _cut_at_axis(nodes: Nodes, arcs: Arcs, arc: int, side: int, axis: int) -> tuple[Nodes, Arcs]:
     """The right half of an arc that crosses the axis, from a new node on the axis.
 
-    Args:
-        nodes: nodes so far.
-        arcs: arcs so far.
-        arc: which one is cut.
-        side: 1 where its head lies on the right, -1 where its tail does.
-        axis: column of the axis.
+    `side` is 1 where its head lies on the right, -1 where its tail does.
     """
     curve = arcs.curves[arc][::side][len(arcs.curves[arc]) // 2 :].copy()
     curve[0, 0] = axis
     nodes = nodes.append(target=curve[0], layers=arcs.layers[arc], on_axis=True)
-    columns = {name: getattr(arcs, name).copy() for name in _CUT_COLUMNS}
-    columns["head"][arc] = (arcs.head if side > 0 else arcs.tail)[arc]
-    columns["tail"][arc] = len(nodes) - 1
-    columns["min_edges"][arc] = 1
-    columns["required_edges"][arc] = (arcs.required_edges[arc] + 1) // 2
-    columns["desired_edges"][arc] = max(0.5 * arcs.desired_edges[arc], 1.0)
-    curves = (*arcs.curves[:arc], curve, *arcs.curves[arc + 1 :])
-    return nodes, replace(arcs, curves=curves, **columns)
+    return nodes, arcs.with_row(
+        arc,
+        tail=len(nodes) - 1,
+        head=(arcs.head if side > 0 else arcs.tail)[arc],
+        curves=curve,
+        min_edges=1,
+        required_edges=(arcs.required_edges[arc] + 1) // 2,
+        desired_edges=max(0.5 * arcs.desired_edges[arc], 1.0),
+    )
 
 
 def _centre(drawing: Drawing) -> float:
@@ -209,73 +199,30 @@ def _with_axis_links(half: Drawing) -> Drawing:
             if len(leaving) != 2:
                 continue
             # The gap lies where a free arc is steepest: between it and its mirror image.
-            away = [
-                half.arcs.curves[arc][::-1] if at_head else half.arcs.curves[arc]
-                for _, arc, at_head in leaving
-            ]
+            away = [half.arcs.away(arc, at_head) for _, arc, at_head in leaving]
             slope = [(c[1] - c[0])[1] / (np.hypot(*(c[1] - c[0])) + 1e-12) for c in away]
             steep = int(np.argmax(np.abs(slope)))
             _, arc, at_head = leaving[steep]
             up = bool(slope[steep] > 0)
             if half.arcs.is_free[arc] and not _axis_taken(half, node, layer, up):
-                half = _with_axis_link(half, node, arc, at_head)
+                place = np.array([half.axis, away[steep][1, 1]], float)
+                half = with_link(half, node, [(arc, at_head)], place, on_axis=True)
     return half
 
 
 def _leaving(half: Drawing, layer: int) -> list[tuple[int, int, bool]]:
     """(axis node, arc, at its head) for every arc of a layer that leaves the axis."""
-    arcs = half.arcs
+    on_axis = half.nodes.on_axis
     return [
-        (int(node), arc, at_head)
-        for arc in np.flatnonzero(arcs.on_layer(layer) & ~arcs.on_axis).tolist()
-        for at_head, node in ((False, arcs.tail[arc]), (True, arcs.head[arc]))
-        if half.nodes.on_axis[node]
+        end for end in half.arcs.ends(layer) if on_axis[end[0]] and not half.arcs.on_axis[end[1]]
     ]
 
 
 def _axis_taken(half: Drawing, node: int, layer: int, up: bool) -> bool:
     """Whether an arc of this layer already leaves the node along the axis, upwards or down."""
-    arcs = half.arcs
-    for arc in np.flatnonzero(arcs.on_layer(layer) & arcs.on_axis):
-        for first, curve in (
-            (arcs.tail[arc], arcs.curves[arc]),
-            (arcs.head[arc], arcs.curves[arc][::-1]),
-        ):
-            if first == node and (curve[-1, 1] > curve[0, 1]) == up:
-                return True
-    return False
-
-
-def _with_axis_link(half: Drawing, node: int, arc: int, at_head: bool) -> Drawing:
-    """The free arc leaves from a new axis node; a link along the axis leads there."""
-    nodes, arcs = half.nodes, half.arcs
-    new, link = len(nodes), len(arcs)
-    height = arcs.curves[arc][-2 if at_head else 1, 1]
-    place = np.array([half.axis, height], float)
-    layers, weight = arcs.layers[arc], arcs.weight[arc]
-    return replace(
-        half,
-        nodes=nodes.append(target=place, layers=layers, on_axis=True),
-        arcs=arcs.with_end(arc, at_head, new, place).append(
-            tail=node,
-            head=new,
-            layers=layers,
-            is_free=True,
-            on_axis=True,
-            curves=np.stack([nodes.target[node], place]),
-            min_edges=1,
-            required_edges=1,
-            desired_edges=1.0,
-            weight=weight,
-        ),
-        links=(*half.links, Link(arc, link, at_head)),
-    )
-
-
-def _fits_axis(half: Drawing) -> bool:
-    """Whether every axis node has at most one arc a layer that leaves the axis."""
-    for layer in (0, 1):
-        nodes = [node for node, _, _ in _leaving(half, layer)]
-        if len(set(nodes)) < len(nodes):
-            return False
-    return True
+    along = [
+        half.arcs.away(arc, at_head)[[0, -1], 1]
+        for end, arc, at_head in half.arcs.ends(layer)
+        if end == node and half.arcs.on_axis[arc]
+    ]
+    return any((last > first) == up for first, last in along)

@@ -69,12 +69,13 @@ def assemble_energy(
     step, length = _sample_lengths(following, rest)
     for p in range(len(start) - 1):
         for i in range(start[p], start[p + 1]):
+            # The sample alone, tied to its place ...
             a = ids[i]
             pull = anchor[p] * length[i]
             matrix[a, a] += pull
             anchor_load[a, 0] += pull * rest[i, 0]
             anchor_load[a, 1] += pull * rest[i, 1]
-            # Every pair once.
+            # ... and every pair once.
             for j in range(start[p], i):
                 c = ids[j]
                 if a == c:  # Both legs of a dart meet in its tip.
@@ -93,7 +94,7 @@ def assemble_energy(
 
 
 @njit(cache=True)
-def rotated_load(points, ids, following, start, rest, stiffness, soft):
+def rotated_load(points, ids, following, start, rest, stiffness):
     """Load of an as-rigid-as-possible step: rest shapes rotated as the points are now.
 
     Source: Sorkine and Alexa, As-Rigid-As-Possible Surface Modeling, 2007 (Eqs. 6 and 9); here the
@@ -101,25 +102,14 @@ def rotated_load(points, ids, following, start, rest, stiffness, soft):
     rotation R_i that minimises the sum over j of w_ij |(x_i - x_j) - R (u_i - u_j)|² has the
     direction (sum w x·u, sum w x×u), so that no singular value decomposition is needed.
 
-    Args:
-        points: [sample, 2] where the samples are now [cm].
-        ids: [row] its sample.
-        following: [row] the next row of its loop.
-        start: [panel + 1] where the rows of each panel begin, and the end.
-        rest: [row, 2] rest positions [cm].
-        stiffness: [panel] factor of its pairs.
-        soft: [panel] membranes have no shape to rotate.
-
-    Returns:
-        [sample, 2] load in place of that of `assemble_energy`.
+    Returns the [sample, 2] load in place of that of `assemble_energy`, for `points` [sample, 2],
+    where the samples are now [cm]; the other arguments are as there.
     """
     step, length = _sample_lengths(following, rest)
     load = np.zeros_like(points)
     size = len(ids)
     cos, sin = np.ones(size), np.zeros(size)
     for p in range(len(start) - 1):
-        if soft[p]:
-            continue
         # The rotation of each sample ...
         for i in range(start[p], start[p + 1]):
             along, across = 0.0, 0.0
@@ -133,6 +123,7 @@ def rotated_load(points, ids, following, start, rest, stiffness, soft):
                 along += w * (x * ux + y * uy)
                 across += w * (y * ux - x * uy)
             norm = np.hypot(along, across)
+            # Points that coincide have no direction: they are not rotated.
             if norm > 0:
                 cos[i], sin[i] = along / norm, across / norm
         # ... and the mean of two of them turns what lies between them at rest.

@@ -74,15 +74,11 @@ class LinearConstraints:
 
     @classmethod
     def joined(cls, parts: list["LinearConstraints"]) -> "LinearConstraints":
-        """All constraints, one after the other."""
-        names = [field.name for field in fields(cls)]
-        return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
-
-    @classmethod
-    def none(cls) -> "LinearConstraints":
-        """No constraints."""
+        """All constraints, one after the other; there may be none."""
         whole, real = np.zeros(0, int), np.zeros(0)
-        return cls(whole, np.zeros((0, 2), int), real, whole, real, real, real)
+        none = cls(whole, np.zeros((0, 2), int), real, whole, real, real, real)
+        names = [field.name for field in fields(cls)]
+        return cls(*(np.concatenate([getattr(p, name) for p in (none, *parts)]) for name in names))
 
     def matrix(self, count: int) -> Float[np.ndarray, "m n"]:
         """One line per constraint: the coefficients of the samples."""
@@ -117,18 +113,13 @@ def gap_constraints(
 
     Two boundaries face each other where the cloth lies on their far sides. That is judged where
     the panels hang on the body, before they are brought together: only there a boundary on the
-    wrong side of another (the outer sides of a hood's parts) shows.
-
-    Args:
-        graph: the garment.
-        samples: its samples.
-        gap: width of a fully opened gap [cm].
-        chord: judge directions by chords from the node instead of tangents.
+    wrong side of another (the outer sides of a hood's parts) shows. With `chord`, directions are
+    those of chords from the node instead of tangents.
     """
     meeting: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
     for i, panel in enumerate(graph.placed.panels):
         for k in range(len(panel.curves)):
-            if _is_alone(graph, i, k, panel.layer):
+            if _is_alone(graph, i, k):
                 arc, back = graph.owner[i, k]
                 ends = graph.arcs[arc].a, graph.arcs[arc].b
                 for step, node in ((1, ends[back]), (-1, ends[not back])):
@@ -142,7 +133,7 @@ def gap_constraints(
         for a, b in itertools.permutations(runs, 2):
             if a.key[0] != b.key[0]:
                 parts.extend(_wedge(a, b, _crossing_share(graph, a, b), gap, chord))
-    return LinearConstraints.joined(parts) if parts else LinearConstraints.none()
+    return LinearConstraints.joined(parts)
 
 
 def _boundary_run(
@@ -158,7 +149,7 @@ def _boundary_run(
             break
         first = here.stop
     count, k, run = len(loop), loop.index(edge), 1
-    while run < count and _is_alone(graph, i, loop[(k + step * run) % count], panel.layer):
+    while run < count and _is_alone(graph, i, loop[(k + step * run) % count]):
         run += 1
     begin = (k if step > 0 else k + 1) * (INNER + 1)
     at = (begin + step * np.arange(run * (INNER + 1) + 1)) % (count * (INNER + 1))
@@ -173,9 +164,10 @@ def _boundary_run(
     )
 
 
-def _is_alone(graph: SeamGraph, panel: int, edge: int, layer: int) -> bool:
-    arc = graph.arcs[graph.owner[panel, edge][0]]
-    return sum(graph.placed.panels[p].layer == layer for p, _, _ in arc.sides) == 1
+def _is_alone(graph: SeamGraph, panel: int, edge: int) -> bool:
+    """Whether an edge is sewn to none of its own layer."""
+    layers = [graph.placed.panels[p].layer for p, _, _ in graph.arc(panel, edge).sides]
+    return layers.count(graph.placed.panels[panel].layer) == 1
 
 
 class _Pairs(NamedTuple):
@@ -196,12 +188,7 @@ def _wedge(
 ) -> Iterator[LinearConstraints]:
     """Constraints from the samples of `a` to the points of `b` as far from their node.
 
-    Args:
-        a: a run of boundary.
-        b: one of another panel that leaves the same node.
-        crossing: how far they may face each other from the wrong side, see `_crossing_share`.
-        gap: width of a fully opened gap [cm].
-        chord: judge directions by chords.
+    `crossing` is how far they may face each other from the wrong side, see `_crossing_share`.
     """
     reach = min(a.along[-1], b.along[-1])
     pairs = _pairs(a, b, reach)
@@ -287,9 +274,9 @@ def _crossing_share(graph: SeamGraph, a: _BoundaryRun, b: _BoundaryRun) -> float
     while True:
         loop = next(loop for loop in graph.placed.panels[panel].loops if edge in loop)
         edge, step = loop[(loop.index(edge) - step) % len(loop)], -step
-        if _is_alone(graph, panel, edge, graph.placed.panels[panel].layer):
+        if _is_alone(graph, panel, edge):
             return float((panel, edge, step) == b.key)
-        arc = graph.arcs[graph.owner[panel, edge][0]]
+        arc = graph.arc(panel, edge)
         reversed_share = reversal(graph, arc)
         if reversed_share > 0 or (panel, edge, step) == a.key:
             return 1.0 - reversed_share
@@ -331,18 +318,13 @@ def clearance_constraints(
     high = np.array([points[r].max(axis=0) for r in rings]) + CLEARANCE
     centres = np.array([centroid(p.outline) for p in panels])
     parts: list[LinearConstraints] = []
-    for i in range(len(panels)):
-        for j in range(len(panels)):
-            if i == j or panels[i].layer != panels[j].layer:
-                continue
-            if (low[i] > high[j]).any() or (low[j] > high[i]).any():
-                continue
-            if np.intersect1d(rings[i], rings[j]).size:
-                continue
+    for i, j in itertools.permutations(range(len(panels)), 2):
+        is_near = (low[i] <= high[j]).all() and (low[j] <= high[i]).all()
+        is_apart = is_near and not np.intersect1d(rings[i], rings[j]).size
+        if is_apart and panels[i].layer == panels[j].layer:
             parts.append(_apart(graph, samples, points, i, j, centres[j] - centres[i]))
-    if not parts or sum(len(part.base) for part in parts) > MAX_CONSTRAINTS:
-        return LinearConstraints.none()
-    return LinearConstraints.joined(parts)
+    is_heap = sum(len(part.base) for part in parts) > MAX_CONSTRAINTS
+    return LinearConstraints.joined([] if is_heap else parts)
 
 
 def _apart(
@@ -360,12 +342,16 @@ def _apart(
     """
     axis = int(abs(towards[1]) > abs(towards[0]))
     sign = 1.0 if towards[axis] >= 0 else -1.0
-    mine, _, ahead, behind = _outer_steps(graph, samples, points, i)
-    start, end, step, _ = _outer_steps(graph, samples, points, j)
+    # Samples round the outer loops, and the steps between them.
+    sizes = [len(graph.placed.panels[panel].loops[0]) * (INNER + 1) for panel in (i, j)]
+    mine, start = (samples.ids[samples.panel(k)][:n] for k, n in zip((i, j), sizes, strict=True))
+    end = np.roll(start, -1)
+    step = points[end] - points[start]
+    ahead = points[np.roll(mine, -1)] - points[mine]
+    behind = np.roll(ahead, 1, axis=0)
     # The outward side of a boundary lies to the right of its direction.
     outward = graph.placed.panels[i].sign * (1 if axis == 0 else -1) * sign
-    # Two boundaries keep their distance as far as they lie across the axis and towards each
-    # other.
+    # Boundaries keep their distance as far as they lie across the axis and towards each other.
     facing = np.maximum(outward * (ahead + behind)[:, 1 - axis] / 2, 0.0)
     inward = -graph.placed.panels[j].sign * (1 if axis == 0 else -1) * sign
     faced = np.maximum(inward * step[:, 1 - axis] / (np.hypot(*step.T) + 1e-9), 0.0)
@@ -388,19 +374,3 @@ def _apart(
         distance=np.full(len(row), CLEARANCE),
         weight=weight[row, k],
     )
-
-
-def _outer_steps(
-    graph: SeamGraph, samples: Samples, points: Float[np.ndarray, "n 2"], panel: int
-) -> tuple[
-    Int[np.ndarray, " k"],
-    Int[np.ndarray, " k"],
-    Float[np.ndarray, "k 2"],
-    Float[np.ndarray, "k 2"],
-]:
-    """Samples round the outer loop, the samples after them, and the steps ahead and behind."""
-    count = len(graph.placed.panels[panel].loops[0]) * (INNER + 1)
-    here = samples.ids[samples.start[panel] : samples.start[panel] + count]
-    following = np.roll(here, -1)
-    ahead = points[following] - points[here]
-    return here, following, ahead, np.roll(ahead, 1, axis=0)

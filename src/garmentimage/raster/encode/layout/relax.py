@@ -24,6 +24,7 @@ from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import cho_factor, cho_solve
 
 from garmentimage.raster.encode.layout._kernels import assemble_energy
 from garmentimage.raster.encode.layout.constraints import LinearConstraints
@@ -36,7 +37,6 @@ from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 
 ANCHOR = 5e-4
 """Strength with which a sample keeps its place on the body, per cm of boundary."""
-
 MEMBRANE = 0.25
 """Stiffness of a panel that is drawn as a membrane: as smooth as it can, its shape forgotten."""
 MEMBRANE_ANCHOR = 1e-6
@@ -69,8 +69,6 @@ def energy(
 
     With `firm`, short arcs keep their direction: among long ones they could be reversed.
     """
-    from scipy.linalg import cho_factor
-
     count = samples.count
     assert len(rest) == len(samples.ids) == len(samples.following) == samples.start[-1]
     assert samples.ids.max() < count and np.isfinite(rest).all()
@@ -137,8 +135,6 @@ class Constrained:
 
 def _solve(energy: Energy, right: Float[np.ndarray, "n k"]) -> Float[np.ndarray, "n k"]:
     """A⁻¹ times the columns of `right`."""
-    from scipy.linalg import cho_solve
-
     return np.asarray(cho_solve((energy.factor, True), right, check_finite=False))
 
 

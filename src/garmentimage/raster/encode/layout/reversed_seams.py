@@ -48,18 +48,15 @@ def reversed_seam_targets(
     the silhouette, and is laid along it.
     """
     targets: list[ArcTarget] = []
-    middle: Float[np.ndarray, "sample 2"] | None = None
+    middle = _mean_positions(samples, rest)
     for i, arc in enumerate(graph.arcs):
         strength = reversal(graph, arc)
         if strength <= 0:
             continue
         if arc.kind == EdgeType.SIDE_BY_SIDE:
-            vector = _between_panels(graph, i)
-            targets.append(ArcTarget(i, vector, LONG_STRENGTH * strength))
+            targets.append(ArcTarget(i, _between_panels(graph, arc), LONG_STRENGTH * strength))
             continue
         strength *= 1 - float(ramp(arc.length, SHORT_FULLY, SHORT_UP_TO))
-        if middle is None:
-            middle = _mean_positions(samples, rest)
         along = _along_silhouette(graph, samples, middle, i)
         if strength > 0 and along is not None:
             targets.append(ArcTarget(i, along, SHORT_STRENGTH * strength))
@@ -94,9 +91,8 @@ def _chord(graph: SeamGraph, side: tuple[int, int, bool]) -> Float[np.ndarray, "
     return np.asarray((curve[0] - curve[-1]) if back else (curve[-1] - curve[0]))
 
 
-def _between_panels(graph: SeamGraph, index: int) -> Float[np.ndarray, " 2"]:
+def _between_panels(graph: SeamGraph, arc: Arc) -> Float[np.ndarray, " 2"]:
     """A vector along which the arc has the first side's panel on its proper hand."""
-    arc = graph.arcs[index]
     panels = [graph.placed.panels[panel] for panel, _, _ in arc.sides]
     across = centroid(panels[0].outline) - centroid(panels[1].outline)
     across *= panels[0].sign * (-1 if arc.sides[0][2] else 1) / (np.hypot(*across) + 1e-9)

@@ -6,7 +6,6 @@ seams are coincident whatever the lengths of their sides, and nothing jumps when
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import overload
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -17,13 +16,10 @@ from garmentimage.raster.encode.placement import Placed
 
 INNER = 10
 """Samples inside an arc, K."""
-
 REFINED = 2
 """Steps of a finished curve per step between samples."""
-
 LIMB = 0.5
 """Stiffness of sleeves and hoods: they follow the trunk, not the trunk them."""
-
 TETHER = 0.01
 """How strongly a panel keeps its place on the body, next to 1 for each end of a seam."""
 LIMB_TETHER = 1e-3
@@ -73,8 +69,7 @@ def sample(graph: SeamGraph, resting: Resting) -> Samples:
     for i, panel in enumerate(graph.placed.panels):
         for loop in panel.loops:
             for k in loop:
-                arc, back = graph.owner[i, k]
-                ids.append((arcs[arc, ::-1] if back else arcs[arc])[:-1])
+                ids.append(graph.along(arcs, i, k)[:-1])
                 edges.append(resample(resting[i][k], shares))
                 rest.append(edges[-1][:-1:REFINED])
             size = len(loop) * (INNER + 1)
@@ -110,44 +105,21 @@ def stiffness_of(placed: Placed) -> Float[np.ndarray, " p"]:
     return LIMB + (1.0 - LIMB) * trunk_share(placed)
 
 
-@overload
-def ramp(x: float, low: float, high: float) -> float: ...
-
-
-@overload
-def ramp(
-    x: Float[np.ndarray, "*shape"], low: float, high: float
-) -> Float[np.ndarray, "*shape"]: ...
-
-
 def ramp(
     x: Float[np.ndarray, "*shape"] | float, low: float, high: float
-) -> Float[np.ndarray, "*shape"] | float:
+) -> Float[np.ndarray, "*shape"]:
     """0 up to `low`, 1 from `high` on, linear between."""
-    share = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return share if isinstance(share, np.ndarray) else float(share)
+    return np.asarray(np.clip((x - low) / (high - low), 0.0, 1.0))
 
 
 def gather(
-    placed: Placed,
-    resting: Resting,
-    stiffness: Float[np.ndarray, " p"],
-    free: Collection[int] = (),
+    placed: Placed, resting: Resting, stiffness: Float[np.ndarray, " p"], free: Collection[int] = ()
 ) -> Float[np.ndarray, "p 2"]:
     """Shifts that bring the panels together at their seams, near their places on the body.
 
     Least squares: the shifts t minimise, over the two ends of all seams between panels i and j,
     the sum of w |(p_i + t_i) - (p_j + t_j)|² and of TETHER |t_i|² over the panels, with w the
-    smaller stiffness. Seams of panels in `free` do not count.
-
-    Args:
-        placed: the garment.
-        resting: its curves at rest.
-        stiffness: of each panel.
-        free: numbers of panels that are not brought together with others.
-
-    Returns:
-        A shift for each panel [cm].
+    smaller stiffness. Seams of panels in `free` do not count. In cm.
     """
     count = len(placed.panels)
     matrix = np.diag(TETHER * np.maximum(trunk_share(placed), LIMB_TETHER))

@@ -7,14 +7,14 @@
 Paper: the paper has no such graph; it reads seams off the deformed panels.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import find_root, polyline_length, union
-from garmentimage.raster.encode.placement import GENERIC_SLOPE, Placed, PlacedPanel, PlacedSeam
+from garmentimage.raster.encode.placement import GENERIC_SLOPE, Placed, PlacedSeam
 from garmentimage.raster.encode.split import cut_polyline
 from garmentimage.raster.image import EdgeType
 
@@ -53,6 +53,15 @@ class SeamGraph:
     owner: Mapping[Side, tuple[int, bool]]
     """For every side its arc, and whether the edge runs against that arc."""
 
+    def arc(self, panel: int, edge: int) -> Arc:
+        """The arc that an edge is drawn as."""
+        return self.arcs[self.owner[panel, edge][0]]
+
+    def along(self, lines: Sequence[np.ndarray] | np.ndarray, panel: int, edge: int) -> np.ndarray:
+        """Of lines along all arcs that of an edge, in the direction of the edge."""
+        arc, back = self.owner[panel, edge]
+        return lines[arc][::-1] if back else lines[arc]
+
 
 def build_seam_graph(placed: Placed) -> SeamGraph:
     """Merge what is sewn together.
@@ -64,34 +73,27 @@ def build_seam_graph(placed: Placed) -> SeamGraph:
     """
     placed = _open_rings(placed)
     corner = _merged_corners(placed)
-    arcs = sorted(
-        (_arc(placed, corner, sides) for sides in _sides(placed)),
-        key=lambda arc: _arc_key(placed, arc),
-    )
-    arcs = _renumbered(arcs)
+    arcs = [_arc(placed, corner, sides) for sides in _sides(placed)]
+    arcs = _renumbered(sorted(arcs, key=lambda arc: _arc_key(placed, arc)))
     owner = {(p, e): (i, back) for i, arc in enumerate(arcs) for p, e, back in arc.sides}
+    nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
+    graph = SeamGraph(placed, tuple(arcs), nodes, owner)
     for i, panel in enumerate(placed.panels):
-        if all(arcs[owner[i, e][0]].slit for e in panel.loops[0]):
+        if all(graph.arc(i, edge).slit for edge in panel.loops[0]):
             raise EncodeError(
                 f"panel {panel.source!r} is closed to a bag by sewing its outline to itself, "
                 "which cannot lie flat; split it in a front and a back panel",
                 remedy="pattern",
             )
-    nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
-    return SeamGraph(placed, tuple(arcs), nodes, owner)
+    return graph
 
 
 def _sides(placed: Placed) -> list[tuple[tuple[Side, bool], ...]]:
     """Per arc its sides, each with whether it runs against the first."""
     sewn = [((s.a, False), (s.b, s.crossed)) for s in placed.seams]
     taken = {side for pair in sewn for side, _ in pair}
-    free = [
-        (((i, k), False),)
-        for i, panel in enumerate(placed.panels)
-        for k in range(len(panel.curves))
-        if (i, k) not in taken
-    ]
-    return [*sewn, *free]
+    sides = [(i, k) for i, panel in enumerate(placed.panels) for k in range(len(panel.curves))]
+    return [*sewn, *(((side, False),) for side in sides if side not in taken)]
 
 
 def _merged_corners(placed: Placed) -> dict[Side, tuple[int, int]]:
@@ -128,53 +130,43 @@ def _open_rings(placed: Placed) -> Placed:
         for loop in panel.loops:
             first = len(curves)
             for k in loop:
-                sections: tuple[np.ndarray, ...] = (panel.curves[k],)
-                if (i, k) in rings:
-                    sections = cut_polyline(panel.curves[k], 0.5)
+                curve = panel.curves[k]
+                sections = cut_polyline(curve, 0.5) if (i, k) in rings else (curve,)
                 parts[i, k] = tuple((i, len(curves) + n) for n in range(len(sections)))
-                curves.extend(sections)
-                origin.extend([panel.origin[k]] * len(sections))
+                curves += sections
+                origin += [panel.origin[k]] * len(sections)
             loops.append(tuple(range(first, len(curves))))
         panels.append(
             replace(panel, curves=tuple(curves), loops=tuple(loops), origin=tuple(origin))
         )
-    seams = [
-        PlacedSeam(a, b, seam.crossed, seam.cut)
-        for seam in placed.seams
-        for a, b in zip(
-            parts[seam.a],
-            parts[seam.b][::-1] if seam.crossed else parts[seam.b],
-            strict=True,
-        )
-    ]
+    seams: list[PlacedSeam] = []
+    for seam in placed.seams:
+        facing = parts[seam.b][::-1] if seam.crossed else parts[seam.b]
+        pairs = zip(parts[seam.a], facing, strict=True)
+        seams += [replace(seam, a=a, b=b) for a, b in pairs]
     return replace(placed, panels=tuple(panels), seams=tuple(seams))
 
 
 def _arc(
-    placed: Placed,
-    corner: dict[Side, tuple[int, int]],
-    sides: tuple[tuple[Side, bool], ...],
+    placed: Placed, corner: dict[Side, tuple[int, int]], sides: tuple[tuple[Side, bool], ...]
 ) -> Arc:
     """The arc of one side or of two, its sides ordered and its direction chosen by place."""
-    panels: list[PlacedPanel] = [placed.panels[i] for (i, _), _ in sides]
+    panels = [placed.panels[i] for (i, _), _ in sides]
     curves = [p.curves[k] for p, ((_, k), _) in zip(panels, sides, strict=True)]
     order = sorted(range(len(sides)), key=lambda n: (sides[n][0][0], _height(curves[n])))
     first = order[0]
     leaning = _lean(curves[first][-1]) < _lean(curves[first][0])
     a, b = corner[sides[first][0]]
     layers = tuple(sorted({p.layer for p in panels}))
-    if len(sides) == 1:
-        kind = EdgeType.NON_STITCH
-    else:
-        kind = EdgeType.FRONT_TO_BACK if len(layers) == 2 else EdgeType.SIDE_BY_SIDE
+    sewn = EdgeType.FRONT_TO_BACK if len(layers) == 2 else EdgeType.SIDE_BY_SIDE
     against_first = [back != sides[first][1] for _, back in sides]
     return Arc(
         a=b if leaning else a,
         b=a if leaning else b,
         layers=layers,
-        kind=kind,
+        kind=sewn if len(sides) == 2 else EdgeType.NON_STITCH,
         sides=tuple((*sides[n][0], against_first[n] != leaning) for n in order),
-        slit=len(sides) == 2 and sides[0][0][0] == sides[1][0][0],
+        slit=len(sides) == 2 and panels[0] is panels[1],
         length=max(map(polyline_length, curves)),
     )
 

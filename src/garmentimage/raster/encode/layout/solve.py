@@ -11,7 +11,6 @@ first. Each step is a fixed computation: no search, no randomness, and no choice
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,7 +52,6 @@ FOLD_TOL = 4.0
 """Loops of a panel that crosses itself may have this area [cm²]: no more than routing mends."""
 OVERLAP_TOL = 12.0
 """Panels may overlap by this area [cm²]: routing sorts out slivers."""
-
 MAX_RIGID_ROUNDS = 40
 """Rounds of rotating rest shapes in the step that is as rigid as possible."""
 CONVERGED = 0.02
@@ -95,9 +93,8 @@ class _Step:
 def layouts(graph: SeamGraph) -> Iterator[Layout]:
     """Layouts of a garment, computed one by one.
 
-    First those without fold or overlap, in the order of the cascade: rigid; with gaps judged by
-    chords; with wider gaps; as rigid as possible; with parts of split panels, then with the
-    panels at fault, as membranes. Then the others, those with the fewest problems first.
+    First those without fold or overlap, in the order of the cascade; then the others, those with
+    the fewest problems first.
 
     Raises:
         EncodeError: more edges than any grid has room for.
@@ -112,7 +109,7 @@ def layouts(graph: SeamGraph) -> Iterator[Layout]:
         )
     # Layouts with problems are kept back: a later step may be clean.
     solver = _LayoutSolver(graph)
-    faulty = []
+    faulty: list[Layout] = []
     at_fault: set[int] = set()
     for step in _cascade(graph, at_fault):
         layout, found = solver.draw(step)
@@ -144,31 +141,15 @@ def _cascade(graph: SeamGraph, at_fault: set[int]) -> Iterator[_Step]:
             yield _Step(f"{stage} membranes", membranes=frozenset(soft))
 
 
-@dataclass(frozen=True)
 class _LayoutSolver:
-    """Draws one garment; keeps what all its layouts share."""
+    """Draws one garment; what all its layouts share is computed once."""
 
-    graph: SeamGraph
-
-    @cached_property
-    def resting(self) -> Resting:
-        """Curves of the panels at rest in the drawing."""
-        return tuple(unbent_curves(panel) for panel in self.graph.placed.panels)
-
-    @cached_property
-    def samples(self) -> Samples:
-        """Samples of the arcs."""
-        return sample(self.graph, self.resting)
-
-    @cached_property
-    def stiffness(self) -> Float[np.ndarray, " p"]:
-        """How strongly each panel keeps its shape."""
-        return stiffness_of(self.graph.placed)
-
-    @cached_property
-    def _ground(self) -> tuple[Float[np.ndarray, "r 2"], Energy]:
-        """What most steps begin with."""
-        return self._prepared(_Step(FIRST))
+    def __init__(self, graph: SeamGraph) -> None:
+        self.graph = graph
+        self.resting: Resting = tuple(unbent_curves(panel) for panel in graph.placed.panels)
+        self.samples = sample(graph, self.resting)
+        self.stiffness = stiffness_of(graph.placed)
+        self.ground = self._prepared(_Step(FIRST))
 
     def _prepared(self, step: _Step) -> tuple[Float[np.ndarray, "r 2"], Energy]:
         """Rest positions with the panels brought together, and the energy."""
@@ -180,33 +161,28 @@ class _LayoutSolver:
 
     def draw(self, step: _Step) -> tuple[Layout, set[int]]:
         """A layout, and the panels at fault in it."""
-        rest, base = self._prepared(step) if step.membranes or step.firm else self._ground
+        samples = self.samples
+        rest, base = self._prepared(step) if step.membranes or step.firm else self.ground
         # Facing boundaries are known beforehand; what else comes near only shows in a drawing.
-        facing = gap_constraints(self.graph, self.samples, step.gap, step.chord)
-        soft = np.array([i in step.membranes for i in range(len(self.stiffness))])
-        rotated = partial(
-            rotated_load,
-            ids=self.samples.ids,
-            following=self.samples.following,
-            start=self.samples.start,
-            rest=rest,
-            stiffness=self.stiffness,
-            soft=soft,
-        )
+        facing = gap_constraints(self.graph, samples, step.gap, step.chord)
         system = Constrained.of(base, facing)
         points = system.minimum(base.load)
         for _ in range(CLEARANCE_ROUNDS):
-            near = clearance_constraints(self.graph, self.samples, points)
+            near = clearance_constraints(self.graph, samples, points)
             if not len(near.base):
                 break
             system = Constrained.of(base, LinearConstraints.joined([facing, near]))
             points = system.minimum(base.load)
         # Alternating minimisation: rotations for these points, points for these rotations.
         for _ in range(MAX_RIGID_ROUNDS if step.as_rigid else 0):
-            before, points = points, system.minimum(rotated(points))
+            before = points
+            load = rotated_load(
+                points, samples.ids, samples.following, samples.start, rest, self.stiffness
+            )
+            points = system.minimum(load)
             if np.abs(points - before).max() < CONVERGED:
                 break
-        curves = _refined(self.graph, self.samples, rest, points)
+        curves = _refined(self.graph, samples, rest, points)
         problems, at_fault = find_problems(self.graph, curves)
         return Layout(self.graph, curves, step.stage, problems), at_fault
 
@@ -254,11 +230,10 @@ def find_problems(
     problems, at_fault = [], set()
     shapes = []
     for i, panel in enumerate(panels):
+        # A hole sewn up by itself, a fish-eye dart, leaves nothing out.
+        drawn = [[k for k in loop if not graph.arc(i, k).slit] for loop in panel.loops]
         rings = [
-            _ring(graph, curves, i, loop)
-            for loop in panel.loops
-            # A hole sewn up by itself, a fish-eye dart, leaves nothing out.
-            if not all(graph.arcs[graph.owner[i, k][0]].slit for k in loop)
+            np.concatenate([graph.along(curves, i, k)[:-1] for k in loop]) for loop in drawn if loop
         ]
         shape, folded = _largest_part(shapely.Polygon(rings[0], rings[1:]))
         if folded > FOLD_TOL or signed_area(rings[0]) * panel.sign <= 0:
@@ -292,17 +267,3 @@ def _largest_part(shape: "shapely.Polygon") -> tuple["shapely.Geometry", float]:
     for hole in shape.interiors:
         whole = whole.difference(shapely.Polygon(hole).buffer(0))
     return whole, float(areas.sum() - areas.max())
-
-
-def _ring(
-    graph: SeamGraph,
-    curves: tuple[Float[np.ndarray, "_ 2"], ...],
-    panel: int,
-    loop: tuple[int, ...],
-) -> Float[np.ndarray, "n 2"]:
-    parts = []
-    for k in loop:
-        arc, back = graph.owner[panel, k]
-        if not graph.arcs[arc].slit:
-            parts.append((curves[arc][::-1] if back else curves[arc])[:-1])
-    return np.concatenate(parts)

@@ -131,7 +131,8 @@ def _widest_sector(panel: PlacedPanel) -> _AnnularSector | None:
     """The run of edges that bends inwards most, when that is more than `MAX_ANGLE`."""
     loop = panel.loops[0]
     count = len(loop)
-    ends = [_end_directions(panel.curves[k]) for k in loop]
+    # First and last step of every edge.
+    ends = [(c[1] - c[0], c[-1] - c[-2]) for c in (panel.curves[k] for k in loop)]
     turns = [_turn(panel.curves[k]) * -panel.sign for k in loop]
     best: _AnnularSector | None = None
     for first in range(count):
@@ -153,13 +154,6 @@ def _widest_sector(panel: PlacedPanel) -> _AnnularSector | None:
         centre = (points + radius * panel.sign * step[:, ::-1] * (1, -1)).mean(axis=0)
         best = _AnnularSector(first, size, angle, radius, centre)
     return best
-
-
-def _end_directions(
-    curve: Float[np.ndarray, "n 2"],
-) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"]]:
-    """First and last step of a curve."""
-    return curve[1] - curve[0], curve[-1] - curve[-2]
 
 
 def _turn(curve: Float[np.ndarray, "n 2"]) -> float:
