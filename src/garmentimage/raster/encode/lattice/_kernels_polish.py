@@ -56,7 +56,8 @@ class Graph(NamedTuple):
     desired_edges: np.ndarray  # arc
     weight: np.ndarray  # arc
     ends: np.ndarray  # the ends of arcs at each node, node by node
-    first: np.ndarray  # node + 1: where those of each node begin in `ends`, and the end
+    arcs: np.ndarray  # the arcs of those ends
+    first: np.ndarray  # node + 1: where those of each node begin, and the end
     node_target: np.ndarray  # node 2
     node_layers: np.ndarray  # node
     node_on_axis: np.ndarray  # node
@@ -160,14 +161,17 @@ def _redraw_arc(graph, state, cost, arc):
 @njit(cache=True)
 def _move_node(graph, state, cost, node, goal):
     """Move a node to a neighbouring vertex, its arcs drawn again, if the energy falls."""
-    here = state.where[node]
-    arcs = graph.ends[graph.first[node] : graph.first[node + 1]] // 2
-    rise = _node_rise(graph, node, here, goal)
-    total = state.energy[arcs].sum()
-    # The arcs cannot get cheaper than nothing: most steps end here, before any search.
-    if not _is_inside(goal, graph, graph.node_on_axis[node]) or rise >= total:
+    if not _is_inside(goal, graph, graph.node_on_axis[node]):
         return False
-    paths, lens = state.table[arcs], state.lens[arcs]
+    here, arcs = state.where[node], graph.arcs[graph.first[node] : graph.first[node + 1]]
+    rise, total = _node_rise(graph, node, here, goal), 0.0
+    for arc in arcs:
+        total += state.energy[arc]
+    # The arcs cannot get cheaper than nothing: most steps end here, before any search.
+    if rise >= total:
+        return False
+    lens = state.lens[arcs]
+    paths = state.table[:, : lens.max()][arcs]
     for arc in arcs:
         _mark_path(graph, state, arc, False)
     _mark_node(graph, state, node, False)
@@ -377,6 +381,7 @@ def _rotation(graph, state, node):
     # Begun at the lowest end, equal cyclic orders are equal rows.
     for layer in range(2):
         ring = by_direction[layer][by_direction[layer] >= 0]
+        lowest = ring.argmin() if len(ring) else 0
         for k in range(len(ring)):
-            out[layer, k] = ring[(ring.argmin() + k) % len(ring)]
+            out[layer, k] = ring[(lowest + k) % len(ring)]
     return out

@@ -192,9 +192,8 @@ def _targets(
     Both count as much as their arcs do.
     """
     nodes, arcs, lens = axis.drawing.nodes, axis.drawing.arcs, axis.lens
-    cells = np.array([np.hypot(*np.diff(c, axis=0).T).sum() for c in arcs.curves])
     # Fine paths have more vertices than coarse ones: a path weighs as its curve is long.
-    load = np.repeat(arcs.weight * np.maximum(cells, MIN_CELLS) / lens, lens)
+    load = np.repeat(arcs.weight * np.maximum(arcs.cells, MIN_CELLS) / lens, lens)
     load[axis.first] = load[axis.last] = 0.0
     weight = np.bincount(axis.variable, load)
     target = np.bincount(axis.variable, load * wanted)
@@ -217,8 +216,8 @@ def _order(axis: _Axis) -> Rows | None:
     # One number per row, which sorts rows of the same pair by strength.
     base = len(flat) + 1
     key = np.unique((pairs[:, 0] * base + pairs[:, 1]) * 2 + (1 - pairs[:, 2]))
-    pair, first = np.unique(key // 2, return_index=True)
-    return np.stack([pair // base, pair % base, 1 - key[first] % 2], axis=1).astype(float)
+    key = key[np.diff(key // 2, prepend=-1) > 0]
+    return np.stack([key // 2 // base, key // 2 % base, 1 - key % 2], axis=1).astype(float)
 
 
 def _chords(axis: _Axis) -> tuple[Rows, Rows, Float[np.ndarray, " _"]]:

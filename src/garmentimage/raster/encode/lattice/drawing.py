@@ -8,6 +8,7 @@ has only four grid edges. With a mirror **axis** only the right half of a garmen
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -87,10 +88,15 @@ class _Records:
 
     def with_row(self: _Same, index: int, **changes: Any) -> _Same:
         """The records, some fields of one of them changed."""
-        row = {name: column[index] for name, column in self._columns().items()}
-        order = np.arange(len(self))
-        order[index] = len(self)
-        return self.append(**row | changes).take(order)
+        columns = self._columns()
+        for name, value in changes.items():
+            column = columns[name]
+            if isinstance(column, tuple):
+                columns[name] = (*column[:index], value, *column[index + 1 :])
+            else:
+                columns[name] = column.copy()
+                columns[name][index] = value
+        return type(self)(**columns)
 
 
 @dataclass(frozen=True)
@@ -127,6 +133,11 @@ class Arcs(_Records):
     """Grid edges with which the arc's shape would be kept."""
     weight: Float[np.ndarray, " arc"]
     """How much the arc's targets count, next to 1 for the trunk."""
+
+    @cached_property
+    def cells(self) -> Float[np.ndarray, " arc"]:
+        """How long the target of each arc is [cells]."""
+        return np.array([polyline_length(curve) for curve in self.curves])
 
     def on_layer(self, layer: int) -> Bool[np.ndarray, " arc"]:
         """Which arcs lie on a layer."""
@@ -194,7 +205,7 @@ class Drawing:
             np.add.at(degree[layer], np.concatenate([self.arcs.tail[on], self.arcs.head[on]]), 1)
         return degree
 
-    @property
+    @cached_property
     def node_weight(self) -> Float[np.ndarray, " node"]:
         """How much a node's target counts: as its weightiest arc."""
         weight = np.zeros(len(self.nodes))

@@ -27,15 +27,14 @@ def polish(drawing: Drawing, paths: list[Path]) -> list[Path]:
         paths: vertex-disjoint lattice paths of unit steps, at least one, on grid lines 1 to N - 1.
     """
     nodes, arcs, width = drawing.nodes, drawing.arcs, drawing.grid + 1
-    lens = np.array([len(path) for path in paths])
+    lens, flat = np.array([len(path) for path in paths]), np.concatenate(paths)
     assert len(paths) == len(arcs) and lens.min() > 1
-    assert all(path.min() >= 1 and path.max() < drawing.grid for path in paths)
+    assert flat.min() >= 1 and flat.max() < drawing.grid
     if lens.max() > ROOM * width:
         return paths
     # Paths as numbers of vertices, in rows of one table that leaves room to grow.
-    table = np.zeros((len(paths), ROOM * width), np.int64)
-    for row, path in zip(table, paths, strict=True):
-        row[: len(path)] = path @ [1, width]
+    table, column = np.zeros((len(paths), ROOM * width), np.int64), np.arange(ROOM * width)
+    table[column < lens[:, None]] = flat[:, 1] * width + flat[:, 0]
     # Compiled code takes arrays: what belongs together one after the other, and where each starts.
     ends = np.stack([arcs.tail, arcs.head], axis=1).ravel()
     by_node = np.argsort(ends, kind="stable")
@@ -48,6 +47,7 @@ def polish(drawing: Drawing, paths: list[Path]) -> list[Path]:
         desired_edges=arcs.desired_edges,
         weight=arcs.weight,
         ends=by_node,
+        arcs=by_node // 2,
         first=np.searchsorted(ends[by_node], np.arange(len(nodes) + 1)),
         node_target=nodes.target,
         node_layers=nodes.layers,
@@ -71,7 +71,6 @@ def polish(drawing: Drawing, paths: list[Path]) -> list[Path]:
         found=np.empty(ROOM * width, np.int64),
     )
     minimise_energy(graph, state)
-    return [
-        np.stack([row[:n] % width, row[:n] // width], axis=1)
-        for row, n in zip(table, lens, strict=True)
-    ]
+    vertices = table[column < lens[:, None]]
+    points = np.stack([vertices % width, vertices // width], axis=1)
+    return np.split(points, np.cumsum(lens)[:-1])

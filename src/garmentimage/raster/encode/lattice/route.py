@@ -145,11 +145,10 @@ def _disjoint_paths(
             break
         find_clashes(net, traffic, routes, clashing)
         if not clashing.any():
-            vertices = routes.vertices.astype(np.int64)
-            return [
-                np.stack([vertices[i, :n] % width, vertices[i, :n] // width], axis=1)
-                for i, n in enumerate(routes.lens)
-            ]
+            is_used = np.arange(longest) < routes.lens[:, None]
+            vertices = routes.vertices[is_used].astype(np.int64)
+            points = np.stack([vertices % width, vertices // width], axis=1)
+            return np.split(points, np.cumsum(routes.lens)[:-1])
         # Both costs grow: history remembers where paths met, price presses all of them.
         traffic.history[traffic.use > 1] += CLASH_COST
         price *= DEARER
