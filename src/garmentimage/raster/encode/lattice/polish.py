@@ -30,6 +30,7 @@ def polish(drawing: Drawing, paths: list[Path]) -> list[Path]:
     lens, flat = np.array([len(path) for path in paths]), np.concatenate(paths)
     assert len(paths) == len(arcs) and lens.min() > 1
     assert flat.min() >= 1 and flat.max() < drawing.grid
+    # A path that winds so far cannot be drawn in the table below: it stays as it is.
     if lens.max() > ROOM * width:
         return paths
     # Paths as numbers of vertices, in rows of one table that leaves room to grow.
@@ -58,6 +59,7 @@ def polish(drawing: Drawing, paths: list[Path]) -> list[Path]:
         width=width,
         axis=-1 if drawing.axis is None else drawing.axis,
     )
+    # A node lies where its arcs end.
     where = np.full(len(nodes), -1)
     where[arcs.tail], where[arcs.head] = table[:, 0], table[np.arange(len(lens)), lens - 1]
     state = State(

@@ -61,6 +61,7 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
         (target[:, 0].round(), target[:, 1].round(), nodes.layers != 3, ~nodes.on_axis)
     )
     node_xy = snap_nodes(target, nodes.layers, nodes.on_axis, axis, first)
+    # A corridor is all that lies within `radius` of an arc's target.
     corridors = np.empty((len(arcs), height, width), np.float32)
     # Paths end where their nodes were put, not where the curves end.
     for i, curve in enumerate(curves):

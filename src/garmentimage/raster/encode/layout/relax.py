@@ -72,6 +72,7 @@ def energy(
     count = samples.count
     assert len(rest) == len(samples.ids) == len(samples.following) == samples.start[-1]
     assert samples.ids.max() < count and np.isfinite(rest).all()
+    # One matrix for both axes: only their loads differ.
     matrix, load, anchor_load = np.zeros((count, count)), np.zeros((count, 2)), np.zeros((count, 2))
     # A membrane is weak, so that others keep their shape, and hardly tied to its place.
     soft = np.array([p in membranes for p in range(len(stiffness))])
