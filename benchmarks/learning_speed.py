@@ -90,7 +90,7 @@ def made(data: Path, kind: str, grid: int) -> tuple[Any, Any]:
     import torch
 
     from garmentimage.learn.data.pattern_vectors import build_vocabulary, read_patterns, to_vectors
-    from garmentimage.learn.data.rasters import from_channels
+    from garmentimage.learn.data.rasters import rasters_from_channels
     from garmentimage.learn.models.garment_vae import GarmentVAE, vae_config
     from garmentimage.learn.models.vector_vae import VectorVAE, VectorVAEConfig
 
@@ -104,7 +104,7 @@ def made(data: Path, kind: str, grid: int) -> tuple[Any, Any]:
     images = np.stack([encode(each, grid).to_channels() for each in patterns])
     model = GarmentVAE(vae_config(grid))
     model = model.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    return model, from_channels(images.reshape(len(images), 2, -1, grid, grid))
+    return model, rasters_from_channels(images.reshape(len(images), 2, -1, grid, grid))
 
 
 def used(data: Path, name: str, count: int) -> dict[str, float]:

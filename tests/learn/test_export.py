@@ -15,8 +15,8 @@ from garmentimage.learn.export import export_vae
 from garmentimage.learn.models.garment_vae import (
     GarmentVAE,
     GarmentVAEConfig,
-    from_channels,
-    to_channels,
+    network_inputs,
+    output_channels,
 )
 from garmentimage.learn.models.vector_vae import VectorVAE
 from garmentimage.learn.weights import load_weights
@@ -42,8 +42,8 @@ def test_a_network_gives_the_same_with_torch_and_without(made):
     random = np.random.default_rng(0)
     channels = random.random((3, 34, 16, 16), np.float32)
     with torch.no_grad():
-        z = model.encode(from_channels(torch.from_numpy(channels)))[0].numpy()
-        images = to_channels(model.decode(torch.from_numpy(z))).numpy()
+        z = model.encode(network_inputs(torch.from_numpy(channels)))[0].numpy()
+        images = output_channels(model.decode(torch.from_numpy(z))).numpy()
     assert np.allclose(space.encode_channels(channels), z, atol=0.02)
     assert np.allclose(space.decode_channels(z), images, atol=0.05)
     assert np.allclose(space.encode_channels(channels[:1]), z[:1], atol=0.02)

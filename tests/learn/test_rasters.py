@@ -10,18 +10,18 @@ from garmentimage.draft.sampling import sample
 from garmentimage.errors import DatasetError
 from garmentimage.learn.data.rasters import (
     Rasters,
-    from_channels as rasters_from_channels,
     mirrored_flags,
     mirrored_types,
     mirrored_vectors,
+    rasters_from_channels,
     read_rasters,
 )
 from garmentimage.learn.models.garment_vae import (
     FLAGS,
     TYPES,
-    from_channels,
     image_losses,
-    to_channels,
+    network_inputs,
+    output_channels,
 )
 from garmentimage.raster.decode.decoder import decode
 from garmentimage.raster.encode.encoder import encode
@@ -47,8 +47,8 @@ def test_what_a_network_is_sure_of_is_the_image_it_saw(image):
     image = image.without_marks()
     seen = rasters_of(image).inputs()
     channels = torch.from_numpy(image.to_channels())[None]
-    assert torch.allclose(from_channels(channels), seen, atol=0.02)
-    told = to_channels(sure(from_channels(channels)))[0].numpy()
+    assert torch.allclose(network_inputs(channels), seen, atol=0.02)
+    told = output_channels(sure(network_inputs(channels)))[0].numpy()
     again = GarmentImage.from_channels(told)
     assert np.array_equal(again.inside, image.inside)
     assert np.array_equal(again.edge_type, image.edge_type)
@@ -100,8 +100,8 @@ def test_a_mirrored_raster_is_that_of_the_mirrored_garment(kind):
             torch.equal(a, b)
             for a, b in zip(vars(twice).values(), vars(raster).values(), strict=True)
         )
-        found = decode(to_channels(sure(mirrored.inputs()))[0].numpy())
-        there = decode(to_channels(sure(raster.inputs()))[0].numpy())
+        found = decode(output_channels(sure(mirrored.inputs()))[0].numpy())
+        there = decode(output_channels(sure(raster.inputs()))[0].numpy())
         assert match_panels(there, found, any_pose=True).mean_iou > 0.998
         wide = [[p.to_world(np.array(p.outline.vertices))[:, 0] for p in g.panels]
                 for g in (there, found)]  # fmt: skip

@@ -7,7 +7,7 @@ import torch
 from garmentimage.learn.data.images import ImagedGarments, load_split, waist_rows
 from garmentimage.learn.data.waist_mix import mix_at_waist, recolour_cloth
 from garmentimage.learn.models.cascade import ground_truth_logits
-from garmentimage.learn.models.garment_vae import to_channels
+from garmentimage.learn.models.garment_vae import output_channels
 from garmentimage.networks.decoded import decoded_garment
 
 
@@ -46,7 +46,7 @@ def test_others_stay_as_they_are(joined):
 @pytest.mark.slow
 def test_new_garments_are_sewn_at_the_waist_and_decode_as_they_are(joined):
     _, found, new = joined
-    channels = to_channels(ground_truth_logits(found.rasters)).numpy()
+    channels = output_channels(ground_truth_logits(found.rasters)).numpy()
     steps = [
         decoded_garment(np.zeros(0), channels[k], "full") for k in torch.where(new)[0][:24].tolist()
     ]

@@ -15,8 +15,8 @@ from garmentimage.learn.data.slot_outputs import SlotOutputs, pattern_from
 from garmentimage.learn.data.slot_vectors import (
     ImagedSlots,
     SlotConfig,
-    slot_vectors,
     slot_vocabulary,
+    to_slots,
 )
 from garmentimage.learn.models.slot_heads import SLOTS_PER_STEP, sample_slots, slot_losses
 from garmentimage.learn.models.slot_networks import SLOT_NETWORKS
@@ -35,7 +35,7 @@ def said(truth) -> SlotOutputs:
 
 
 def test_what_is_said_without_error_is_the_garment():
-    truth = slot_vectors(GARMENTS, WORDS)
+    truth = to_slots(GARMENTS, WORDS)
     assert slot_losses(said(truth), truth)["loss"].item() < 1e-3
     for number, garment in enumerate(GARMENTS):
         again = pattern_from(said(truth), number, WORDS)
@@ -52,7 +52,7 @@ def test_slots_keep_the_outline_of_a_panel_with_a_hole():
     whole, holed = (draft_pattern("one-panel-dress", cutout=place) for place in ("none", "front"))
     assert holed.by_name["front"].holes
     words = slot_vocabulary([whole])
-    one, other = slot_vectors([whole], words), slot_vectors([holed], words)
+    one, other = to_slots([whole], words), to_slots([holed], words)
     for name, value in vars(one).items():
         assert torch.equal(value, getattr(other, name)), name
 
@@ -60,7 +60,7 @@ def test_slots_keep_the_outline_of_a_panel_with_a_hole():
 def test_a_panel_that_stands_across_is_told_without_a_warning(recwarn):
     first, *others = GARMENTS[0].panels
     across = replace(GARMENTS[0], panels=(replace(first, rotation=(30.0, 90.0, 0.0)), *others))
-    again = pattern_from(said(slot_vectors([across], WORDS)), 0, WORDS).by_name[first.name]
+    again = pattern_from(said(to_slots([across], WORDS)), 0, WORDS).by_name[first.name]
     one, two = (
         each.to_world(np.array(each.outline.vertices)) for each in (across.panels[0], again)
     )
@@ -69,7 +69,7 @@ def test_a_panel_that_stands_across_is_told_without_a_warning(recwarn):
 
 
 def test_slots_without_a_panel_are_no_garment():
-    truth = slot_vectors(GARMENTS[:1], WORDS)
+    truth = to_slots(GARMENTS[:1], WORDS)
     nothing = replace(said(truth), edges=torch.zeros_like(truth.edges))
     with pytest.raises(DecodeError, match="the slots hold no panel"):
         pattern_from(nothing, 0, WORDS)
@@ -113,7 +113,7 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
     layers = min(kind.layers, 2)
     made = kind.network(SlotConfig(name, WORDS.names, WORDS.edges, 96, layers))
     pictures = torch.randint(0, 256, (len(GARMENTS), 3, 128, 128), dtype=torch.uint8)
-    batch = ImagedSlots(pictures, slot_vectors(GARMENTS, WORDS))
+    batch = ImagedSlots(pictures, to_slots(GARMENTS, WORDS))
     made.output_prior.set_to_mean(batch.patterns)
     optimizer = torch.optim.AdamW(made.parameters(), 1e-3)
     first = made(batch)["loss"].item()
@@ -130,7 +130,7 @@ def test_a_baseline_learns_a_few_garments_by_heart(name):
 @pytest.mark.parametrize("name", SLOT_NETWORKS)
 def test_a_baseline_starts_from_the_mean_garment(name):
     made = SLOT_NETWORKS[name].network(SlotConfig(name, WORDS.names, WORDS.edges, 32, 1))
-    truth = slot_vectors(GARMENTS, WORDS)
+    truth = to_slots(GARMENTS, WORDS)
     made.output_prior.set_to_mean(truth)
     with torch.no_grad():
         found = made.predict(torch.rand(2, 3, 128, 128))

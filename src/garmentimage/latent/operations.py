@@ -226,4 +226,5 @@ def _normal_sample(latents: Float32[np.ndarray, "n latent"], random: np.random.G
     size = latents.shape[1]
     # A little variance everywhere, as the covariance of few vectors is singular.
     root = np.linalg.cholesky(np.cov(latents.T) + 1e-6 * np.eye(size))
-    return (latents.mean(0) + root @ random.standard_normal(size)).astype(np.float32)
+    sampled: Latent = (latents.mean(0) + root @ random.standard_normal(size)).astype(np.float32)
+    return sampled

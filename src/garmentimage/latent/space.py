@@ -107,7 +107,8 @@ class LatentSpace:
             LearnError: an image of another grid, or of more than one cloth layer.
             EncodeError: a pattern that does not fit the grid.
         """
-        return self.encode_channels(self.image(source).to_channels()[None])[0]
+        z: Latent = self.encode_channels(self.image(source).to_channels()[None])[0]
+        return z
 
     def image(self, source: Pattern | GarmentImage) -> GarmentImage:
         """The image of a garment, checked as input of this network.

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Any
 
 from jaxtyping import Float
 from torch import Tensor, nn
@@ -11,11 +12,22 @@ GROUPS = 8
 """Of every group normalisation."""
 
 
-class ResidualBlock(nn.Module):
-    """Two convolutions beside a shortcut, normalised and activated before each (He et al. 2016b).
+class _Convolutions(nn.Module):
+    """Two normalised 3 x 3 convolutions, of which the second starts at zero.
 
-    The second convolution starts at zero: a new block is the identity, so deep networks train from
-    the first step.
+    So a new residual block is the identity, and deep networks train from the first step.
+    """
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.norm1, self.norm2 = nn.GroupNorm(GROUPS, width), nn.GroupNorm(GROUPS, width)
+        self.conv1 = nn.Conv2d(width, width, 3, padding=1)
+        self.conv2 = nn.Conv2d(width, width, 3, padding=1)
+        nn.init.zeros_(self.conv2.weight)
+
+
+class ResidualBlock(_Convolutions):
+    """Two convolutions beside a shortcut, normalised and activated before each (He et al. 2016b).
 
     Args:
         width: channels.
@@ -23,20 +35,16 @@ class ResidualBlock(nn.Module):
     """
 
     def __init__(self, width: int, dropout: float = 0.0) -> None:
-        super().__init__()
+        super().__init__(width)
         self.drop = nn.Dropout2d(dropout)
-        self.norm1, self.norm2 = nn.GroupNorm(GROUPS, width), nn.GroupNorm(GROUPS, width)
-        self.conv1 = nn.Conv2d(width, width, 3, padding=1)
-        self.conv2 = nn.Conv2d(width, width, 3, padding=1)
-        nn.init.zeros_(self.conv2.weight)
 
     def forward(self, x: Float[Tensor, "n width row col"]) -> Float[Tensor, "n width row col"]:
         """The same shape as `x`."""
         y = self.conv1(functional.silu(self.norm1(x)))
-        return x + self.conv2(self.drop(functional.silu(self.norm2(y))))
+        return x.add(self.conv2(self.drop(functional.silu(self.norm2(y)))))
 
 
-class FiLMBlock(nn.Module):
+class FiLMBlock(_Convolutions):
     """A residual block whose channels are scaled and shifted by a condition (Perez et al. 2018).
 
     Between the convolutions, y becomes y (1 + scale(c)) + shift(c), both linear in the condition c.
@@ -47,12 +55,8 @@ class FiLMBlock(nn.Module):
     """
 
     def __init__(self, width: int, condition: int) -> None:
-        super().__init__()
-        self.norm1, self.norm2 = nn.GroupNorm(GROUPS, width), nn.GroupNorm(GROUPS, width)
-        self.conv1 = nn.Conv2d(width, width, 3, padding=1)
-        self.conv2 = nn.Conv2d(width, width, 3, padding=1)
+        super().__init__(width)
         self.film = nn.Linear(condition, 2 * width)
-        nn.init.zeros_(self.conv2.weight)
 
     def forward(
         self, x: Float[Tensor, "n width row col"], condition: Float[Tensor, "n condition"]
@@ -60,8 +64,7 @@ class FiLMBlock(nn.Module):
         """The same shape as `x`."""
         y = self.norm2(self.conv1(functional.silu(self.norm1(x))))
         scale, shift = self.film(condition)[:, :, None, None].chunk(2, 1)
-        y = y * (1 + scale) + shift
-        return x + self.conv2(functional.silu(y))
+        return x.add(self.conv2(functional.silu(y * (1 + scale) + shift)))
 
 
 class UNetLevels(nn.Module):
@@ -72,8 +75,7 @@ class UNetLevels(nn.Module):
 
     Args:
         widths: channels of each level, the finest first.
-        block: makes the block of a level from its width. Called level by level, down, then up:
-            weights are drawn from the generator in this order.
+        block: makes the block of a level from its width; called level by level, down, then up.
     """
 
     def __init__(self, widths: Sequence[int], block: Callable[[int], nn.Module]) -> None:
@@ -97,6 +99,19 @@ class UNetLevels(nn.Module):
                 x = functional.interpolate(self.project[level - 1](x), scale_factor=2)
                 x = x + skips[level - 1]
         return x
+
+
+def transformer_options(width: int, heads: int) -> dict[str, Any]:
+    """Options of a transformer layer: normalised before each part, GELU, no dropout."""
+    return {
+        "d_model": width,
+        "nhead": heads,
+        "dim_feedforward": 4 * width,
+        "batch_first": True,
+        "norm_first": True,
+        "dropout": 0.0,
+        "activation": "gelu",
+    }
 
 
 def zero_init(layer: nn.Linear) -> nn.Linear:

@@ -3,7 +3,7 @@
 import json
 import logging
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
@@ -18,7 +18,7 @@ from torch import Tensor, nn
 from garmentimage.errors import DatasetError
 from garmentimage.latent import DECODER_FILE, ENCODER_FILE, GARMENTS_FILE
 from garmentimage.learn.data import INPUT_CHANNELS, ImageSplit, LabelledRasters, recolour_cloth
-from garmentimage.learn.models import Cascade, GarmentVAE, from_channels, to_channels
+from garmentimage.learn.models import Cascade, GarmentVAE, network_inputs, output_channels
 from garmentimage.networks import CONFIG_FILE
 from garmentimage.predict import (
     PICTURES_FILE,
@@ -47,22 +47,15 @@ MIN_OOD_THRESHOLD = 0.01
 """Smallest out-of-distribution threshold, as a root mean square of colours from 0 to 1."""
 
 
-class _Encoder(nn.Module):
-    def __init__(self, model: GarmentVAE) -> None:
+class _Function(nn.Module):
+    """A function of a network as a network, since only these can be exported."""
+
+    def __init__(self, model: nn.Module, function: Callable[[Tensor], Tensor]) -> None:
         super().__init__()
-        self.model = model
+        self.model, self.function = model, function
 
-    def forward(self, channels: Tensor) -> Tensor:
-        return self.model.encode(from_channels(channels))[0]
-
-
-class _Decoder(nn.Module):
-    def __init__(self, model: GarmentVAE) -> None:
-        super().__init__()
-        self.model = model
-
-    def forward(self, z: Tensor) -> Tensor:
-        return to_channels(self.model.decode(z))
+    def forward(self, x: Tensor) -> Tensor:
+        return self.function(x)
 
 
 def export_vae(
@@ -82,36 +75,21 @@ def export_vae(
         folder: where to write.
     """
     model = model.cpu().eval()
-    grid, latent = model.config.grid, model.config.latent
-    folder.mkdir(parents=True, exist_ok=True)
-    write_together(
-        {
-            folder / CONFIG_FILE: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
-            folder / WEIGHTS_FILE: half_precision_bytes(model),
-            folder / ENCODER_FILE: _onnx(
-                _Encoder(model), torch.zeros(2, INPUT_CHANNELS, grid, grid), "channels", "z"
-            ),
-            folder / DECODER_FILE: _onnx(_Decoder(model), torch.zeros(2, latent), "z", "channels"),
-            folder / GARMENTS_FILE: _training_garments(model, train_set),
-            folder / CARD_FILE: card,
-        }
-    )
-
-
-class _Predictor(nn.Module):
-    def __init__(self, model: Cascade) -> None:
-        super().__init__()
-        self.model = model
-
-    def forward(self, picture: Tensor) -> Tensor:
-        return self.model.predict(picture)
+    channels = torch.zeros(2, INPUT_CHANNELS, model.config.grid, model.config.grid)
+    encoder = _Function(model, lambda x: model.encode(network_inputs(x))[0])
+    decoder = _Function(model, lambda z: output_channels(model.decode(z)))
+    files = {
+        ENCODER_FILE: _onnx(encoder, channels, "channels", "z"),
+        DECODER_FILE: _onnx(decoder, torch.zeros(2, model.config.latent), "z", "channels"),
+        GARMENTS_FILE: _training_garments(model, train_set),
+    }
+    export_weights(model, facts, card, folder, files)
 
 
 def export_cascade(
     model: Cascade,
     train_set: ImageSplit,
     held_out: ImageSplit,
-    *,
     facts: Mapping[str, Any],
     card: str,
     folder: Path,
@@ -127,36 +105,41 @@ def export_cascade(
         folder: where to write.
     """
     model = model.cpu().eval()
-    size = model.config.picture
+    size, recolour = model.config.picture, model.config.recolour > 0
+    predictor = _Function(model, model.predict)
+    files = {
+        PREDICTOR_FILE: _onnx(predictor, torch.zeros(2, 3, size, size), "picture", "channels"),
+        PICTURES_FILE: _reference_images(train_set, held_out, recolour),
+    }
     wearer = asdict(_median_wearer(train_set))
-    config = {**asdict(model.config), **facts, "wearer": wearer}
-    folder.mkdir(parents=True, exist_ok=True)
-    write_together(
-        {
-            folder / CONFIG_FILE: json.dumps(config, indent=1) + "\n",
-            folder / WEIGHTS_FILE: half_precision_bytes(model),
-            folder / PREDICTOR_FILE: _onnx(
-                _Predictor(model), torch.zeros(2, 3, size, size), "picture", "channels"
-            ),
-            folder / PICTURES_FILE: _reference_images(
-                train_set, held_out, recolour=model.config.recolour > 0
-            ),
-            folder / CARD_FILE: card,
-        }
-    )
+    export_weights(model, {**facts, "wearer": wearer}, card, folder, files)
 
 
-def half_precision_bytes(model: nn.Module) -> bytes:
-    """A network's weights as 16-bit floats, a safetensors file."""
+def export_weights(
+    model: Any,
+    facts: Mapping[str, Any],
+    card: str,
+    folder: Path,
+    files: Mapping[str, bytes] | None = None,
+) -> None:
+    """Write a network with its weights as 16-bit floats, and further files by name."""
     halves = {name: value.half().contiguous() for name, value in model.state_dict().items()}
-    return save(halves, {"format": "pt"})
+    content: dict[str, str | bytes] = {
+        CONFIG_FILE: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
+        WEIGHTS_FILE: save(halves, {"format": "pt"}),
+        CARD_FILE: card,
+        **(files or {}),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    write_together({folder / name: each for name, each in content.items()})
 
 
 def _shown_images(
-    split: ImageSplit, most: int, *, recolour: bool = False
+    split: ImageSplit, recolour: bool = False
 ) -> list[UInt8[np.ndarray, "row col 3"]]:
     """Some images as training shows them, the highest row first."""
-    numbers = np.linspace(0, len(split.ids) - 1, min(most, len(split.ids))).astype(int)
+    count = min(REFERENCE_IMAGES, len(split.ids))
+    numbers = np.linspace(0, len(split.ids) - 1, count).astype(int)
     some = split.garments.batch(torch.from_numpy(numbers))
     images = some.pictures
     if recolour:
@@ -169,41 +152,41 @@ def _shown_images(
 
 def _median_wearer(split: ImageSplit) -> Box:
     """The median bounding box of the wearer in training images."""
-    boxes = []
-    for pixels in _shown_images(split, REFERENCE_IMAGES):
-        mask, _ = find_wearer(pixels)
-        if mask is not None:
-            pixels_of = np.argwhere(mask)
-            boxes.append([*pixels_of.min(0), *(pixels_of.max(0) + 1)])
-    if not boxes:
+    images = _shown_images(split)
+    masks = [mask for mask, _ in map(find_wearer, images) if mask is not None]
+    if not masks:
         raise DatasetError("the pictures have no plain background; a cascade needs one")
-    top, left, bottom, right = np.median(boxes, axis=0) / len(pixels)
+    places = [np.argwhere(mask) for mask in masks]
+    boxes = [[*each.min(0), *(each.max(0) + 1)] for each in places]
+    top, left, bottom, right = np.median(boxes, axis=0) / len(images[0])
     return Box(float(top), float(bottom), float(left), float(right))
 
 
-def _reference_images(train_set: ImageSplit, held_out: ImageSplit, *, recolour: bool) -> bytes:
+def _reference_images(train_set: ImageSplit, held_out: ImageSplit, recolour: bool) -> bytes:
     """The distribution of training images: their mean, principal axes and distance threshold.
 
     By principal component analysis of thumbnails. The threshold is the `OOD_QUANTILE` of the
     distances of held-out images from the plane; `PatternPredictor.likeness` compares with it.
     """
-    shown = _shown_images(train_set, REFERENCE_IMAGES, recolour=recolour)
-    rows = np.array([thumbnail(pixels) for pixels in shown])
+    rows, others = (
+        np.array([thumbnail(each) for each in _shown_images(split, recolour)])
+        for split in (train_set, held_out)
+    )
     mean = rows.mean(0)
     _, _, axes = np.linalg.svd(rows - mean, full_matrices=False)
     axes = axes[:REFERENCE_AXES]
-    distances = [
-        plane_distance(thumbnail(pixels), mean, axes)
-        for pixels in _shown_images(held_out, REFERENCE_IMAGES, recolour=recolour)
-    ]
+    distances = [plane_distance(row, mean, axes) for row in others]
     ood_threshold = max(np.quantile(distances, OOD_QUANTILE), MIN_OOD_THRESHOLD)
-    file = BytesIO()
-    np.savez_compressed(
-        file,
+    return _npz(
         middle=mean.astype(np.float16),
         axes=axes.astype(np.float16),
         usual=np.float32(ood_threshold),
     )
+
+
+def _npz(**arrays: Any) -> bytes:
+    file = BytesIO()
+    np.savez_compressed(file, **arrays)
     return file.getvalue()
 
 
@@ -215,16 +198,13 @@ def _training_garments(model: GarmentVAE, train_set: LabelledRasters) -> bytes:
             [np.flatnonzero(types == name)[:GARMENTS_PER_TYPE] for name in sorted(set(types))]
         )
     )
-    parts = torch.from_numpy(chosen).split(256)
-    latents = torch.cat([model.encode(train_set.rasters.batch(part).inputs())[0] for part in parts])
-    file = BytesIO()
-    np.savez_compressed(
-        file,
+    parts = train_set.rasters.batch(torch.from_numpy(chosen)).parts()
+    latents = torch.cat([model.encode(part.inputs())[0] for part in parts])
+    return _npz(
         ids=np.array(train_set.ids)[chosen],
         types=types[chosen],
         latents=latents.numpy().astype(np.float16),
     )
-    return file.getvalue()
 
 
 def _onnx(model: nn.Module, example: Tensor, input_name: str, output_name: str) -> bytes:

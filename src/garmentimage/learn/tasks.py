@@ -1,25 +1,17 @@
 """What can be trained: for each network its data, how it is built, and how it is saved."""
 
-import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import torch
-from torch import nn
 
 from garmentimage.errors import LearnError
-from garmentimage.learn.export import (
-    CARD_FILE,
-    WEIGHTS_FILE,
-    export_cascade,
-    export_vae,
-    half_precision_bytes,
-)
-from garmentimage.learn.training import Examples
-from garmentimage.networks import CONFIG_FILE
-from garmentimage.system import weights_hash, write_atomically, write_together
+from garmentimage.learn.data import TensorRows
+from garmentimage.learn.export import CARD_FILE, export_cascade, export_vae, export_weights
+from garmentimage.learn.weights import Network
+from garmentimage.system import weights_hash, write_atomically
 
 SPLITS = "train", "validation"
 FOR_TRAINING = "`model.safetensors` is for training on (`from_pretrained`)"
@@ -56,10 +48,10 @@ class TrainingTask:
     """A sentence for the model card on which files are for what."""
     config: Any
     """The network's configuration, a dataclass."""
-    build: Callable[[], nn.Module]
+    build: Callable[[], Network]
     """Makes the network; weights are drawn from torch's global generator."""
-    train_set: Examples
-    held_out: Examples
+    train_set: TensorRows
+    held_out: TensorRows
     save: Callable[[Any, Mapping[str, Any], str, Path], None]
     """Writes the trained network: network, facts for `config.json`, model card, folder."""
     facts: Mapping[str, Any] = field(default_factory=dict)
@@ -84,7 +76,7 @@ def vae_task(options: TaskOptions) -> TrainingTask:
         build=lambda: _channels_last(GarmentVAE(config)),
         train_set=train_set.rasters,
         held_out=held_out.rasters,
-        save=lambda model, facts, card, folder: export_vae(model, train_set, facts, card, folder),
+        save=lambda model, *rest: export_vae(model, train_set, *rest),
     )
 
 
@@ -144,9 +136,7 @@ def cascade_task(options: TaskOptions) -> TrainingTask:
         build=lambda: _channels_last(Cascade(config)),
         train_set=train_set.garments,
         held_out=held_out.garments,
-        save=lambda model, facts, card, folder: export_cascade(
-            model, train_set, held_out, facts=facts, card=card, folder=folder
-        ),
+        save=lambda model, *rest: export_cascade(model, train_set, held_out, *rest),
         facts={"without": sorted(options.without)},
     )
 
@@ -154,7 +144,13 @@ def cascade_task(options: TaskOptions) -> TrainingTask:
 def slot_task(options: TaskOptions, name: str) -> TrainingTask:
     """A vector-based baseline of the cascade, by its name in `SLOT_NETWORKS`."""
     from garmentimage.dataset import parse_patterns
-    from garmentimage.learn.data import SlotConfig, imaged_slots, load_split, slot_vocabulary
+    from garmentimage.learn.data import (
+        ImagedSlots,
+        SlotConfig,
+        load_split,
+        slot_vocabulary,
+        to_slots,
+    )
     from garmentimage.learn.models import SLOT_NETWORKS, read_resnet
 
     splits = [load_split(options.data, split, without=options.without) for split in SPLITS]
@@ -172,16 +168,17 @@ def slot_task(options: TaskOptions, name: str) -> TrainingTask:
         resnet=resnet.config.to_dict() if resnet else None,
     )
     train_set, held_out = (
-        imaged_slots(split, found, vocabulary)
+        ImagedSlots(split.garments.pictures, to_slots(found, vocabulary))
         for split, found in zip(splits, patterns, strict=True)
     )
 
-    def build() -> nn.Module:
-        model: Any = kind.network(config)
+    def build() -> Network:
+        model = kind.network(config)
         if resnet is not None:
-            model.image_encoder.resnet.load_state_dict(resnet.state_dict())
+            encoder: Any = model.image_encoder
+            encoder.resnet.load_state_dict(resnet.state_dict())
         model.output_prior.set_to_mean(train_set.patterns)
-        return model  # type: ignore[no-any-return]
+        return model
 
     encoder = "ResNet that was given" if resnet else "small image encoder"
     return TrainingTask(
@@ -203,13 +200,13 @@ def image_decoder_task(options: TaskOptions) -> TrainingTask:
     Raises:
         LearnError: no VAE is given, or its folder holds none.
     """
-    from garmentimage.learn.data import encode_split, load_split, split_encoder
+    from garmentimage.learn.data import load_split, split_encoder
     from garmentimage.learn.models import ImageDecoder, ImageDecoderConfig
 
     if options.vae is None:
         raise LearnError("name the VAE whose latent vectors become pictures with --vae")
     encode = split_encoder(options.vae)
-    train_set, held_out = (encode_split(load_split(options.data, s), encode) for s in SPLITS)
+    train_set, held_out = (encode(load_split(options.data, split)) for split in SPLITS)
     config = ImageDecoderConfig(
         latent=train_set.latents.shape[1],
         picture=train_set.pictures.shape[-1],
@@ -224,7 +221,7 @@ def image_decoder_task(options: TaskOptions) -> TrainingTask:
         build=lambda: _channels_last(ImageDecoder(config)),
         train_set=train_set,
         held_out=held_out,
-        save=_save_halves,
+        save=export_weights,
     )
 
 
@@ -246,7 +243,7 @@ def denoiser_task(options: TaskOptions) -> TrainingTask:
         build=lambda: _channels_last(Denoiser(config)),
         train_set=train_set,
         held_out=held_out,
-        save=_save_halves,
+        save=export_weights,
     )
 
 
@@ -277,24 +274,12 @@ def _beta(options: TaskOptions) -> dict[str, Any]:
     return {} if options.beta is None else {"beta": options.beta}
 
 
-def _channels_last(model: nn.Module) -> nn.Module:
+def _channels_last(model: Network) -> Network:
     # Convolutions on processors are faster with channels last; results are those of this layout.
-    return model.to(memory_format=torch.channels_last)  # type: ignore[no-any-return,call-overload]
+    return model.to(memory_format=torch.channels_last)  # type: ignore[call-overload,no-any-return]
 
 
 def _save_pretrained(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
     del facts  # the configuration alone identifies these
     model.save_pretrained(folder)
     write_atomically(folder / CARD_FILE, card)
-
-
-def _save_halves(model: Any, facts: Mapping[str, Any], card: str, folder: Path) -> None:
-    """Weights as 16-bit floats: half the size, for use only."""
-    folder.mkdir(parents=True, exist_ok=True)
-    write_together(
-        {
-            folder / CONFIG_FILE: json.dumps({**asdict(model.config), **facts}, indent=1) + "\n",
-            folder / WEIGHTS_FILE: half_precision_bytes(model),
-            folder / CARD_FILE: card,
-        }
-    )

@@ -8,16 +8,18 @@ the averaged weights.
 import copy
 import math
 import time
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import torch
 from lightning_fabric import Fabric
-from torch import Tensor, nn
+from torch import nn
 
 from garmentimage.errors import LearnError
+from garmentimage.learn.data import TensorRows
 from garmentimage.learn.run_folder import (
     CHECKPOINT,
     CURVES_FILE,
@@ -36,18 +38,8 @@ EMA_DECAY = 0.999
 BETAS = (0.9, 0.99)
 """Of AdamW: decay of the gradient's first and second moments."""
 MAX_GRADIENT_NORM = 1.0
-HELD_OUT_BATCH = 256
 EPOCH_SEED, RANK_SEED = 1_000_003, 500_009
 """Primes that keep the seeds of epochs, and of ranks in an epoch, apart."""
-
-
-@runtime_checkable
-class Examples(Protocol):
-    """A data set in memory."""
-
-    def __len__(self) -> int: ...
-    def batch(self, numbers: Tensor) -> Any:
-        """The examples of these numbers; has a method `to(device)`."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +69,8 @@ class _State:
 
 def train(
     model: nn.Module,
-    train_set: Examples,
-    held_out: Examples,
+    train_set: TensorRows,
+    held_out: TensorRows,
     *,
     folder: Path,
     settings: TrainingSettings,
@@ -122,13 +114,9 @@ def train(
                 f"the loss is NaN or infinite in epoch {epoch + 1}; choose another folder, and a "
                 "lower learning rate, or look for NaN or infinite values in the data"
             )
-        state.epoch = epoch + 1
-        seconds = time.perf_counter() - began
-        line |= {
-            "epoch": epoch + 1,
-            "seconds": round(seconds, 2),
-            "samples_a_second": round(count / seconds, 1),
-        }
+        state.epoch, seconds = epoch + 1, time.perf_counter() - began
+        line |= {"epoch": epoch + 1, "seconds": round(seconds, 2)}
+        line["samples_a_second"] = round(count / seconds, 1)
         _save_checkpoint(fabric, folder / CHECKPOINT, state)
         log.add(line)
         progress(line)
@@ -139,9 +127,8 @@ def train(
 
 
 def _fabric(settings: TrainingSettings) -> Fabric:
-    precision: Any = settings.precision
-    if precision == "auto":
-        precision = fitting_precision(settings.accelerator)
+    auto = settings.precision == "auto"
+    precision: Any = fitting_precision(settings.accelerator) if auto else settings.precision
     try:
         return Fabric(
             accelerator=settings.accelerator,
@@ -158,12 +145,16 @@ def _start(fabric: Fabric, model: nn.Module, settings: TrainingSettings) -> _Sta
         model.parameters(), settings.rate, weight_decay=settings.decay, betas=BETAS
     )
     average = copy.deepcopy(model)
-    wrapped, optimizer = fabric.setup(model, optimizer)  # type: ignore[assignment]
+    wrapped, optimizer = fabric.setup(model, optimizer)
     return _State(wrapped, optimizer, average.to(fabric.device))
 
 
 def _epoch(
-    fabric: Fabric, state: _State, model: nn.Module, train_set: Examples, settings: TrainingSettings
+    fabric: Fabric,
+    state: _State,
+    model: nn.Module,
+    train_set: TensorRows,
+    settings: TrainingSettings,
 ) -> tuple[dict[str, float], int]:
     """Train for an epoch.
 
@@ -179,7 +170,7 @@ def _epoch(
     order = torch.randperm(len(train_set))
     torch.manual_seed(seed + RANK_SEED * (1 + fabric.global_rank))
     state.model.train()
-    sums: dict[str, float] = {}
+    sums: dict[str, float] = defaultdict(float)
     for step in range(steps):
         first = step * step_size + fabric.global_rank * settings.batch
         batch = train_set.batch(order[first : first + settings.batch]).to(fabric.device)
@@ -196,7 +187,7 @@ def _epoch(
         update_ema(state.average, model, state.step)
         state.step += 1
         for name, value in losses.items():
-            sums[name] = sums.get(name, 0.0) + float(value.detach())
+            sums[name] += float(value.detach())
     return {name: value / steps for name, value in sums.items()}, steps * step_size
 
 
@@ -243,25 +234,23 @@ def update_ema(average: nn.Module, model: nn.Module, step: int) -> None:
 
 
 @torch.no_grad()
-def _held_out_losses(model: nn.Module, held_out: Examples, seed: int) -> dict[str, float]:
+def _held_out_losses(model: nn.Module, held_out: TensorRows, seed: int) -> dict[str, float]:
     """Mean losses of the held-out set, with the same noise after every epoch."""
     model.eval()
     torch.manual_seed(seed)
-    sums: dict[str, float] = {}
-    numbers = torch.arange(len(held_out))
+    sums: dict[str, float] = defaultdict(float)
     device = next(model.parameters()).device
-    for part in numbers.split(HELD_OUT_BATCH):
-        for name, value in model(held_out.batch(part).to(device)).items():
-            sums[name] = sums.get(name, 0.0) + float(value) * len(part) / len(numbers)
+    for batch in held_out.parts():
+        for name, value in model(batch.to(device)).items():
+            sums[name] += float(value) * len(batch) / len(held_out)
     return sums
 
 
 def _resume(fabric: Fabric, file: Path, state: _State) -> None:
-    """Restore a checkpoint."""
-    content = vars(state)
     try:
-        rest = fabric.load(file, content, weights_only=True)
-        content |= {key: int(rest[key]) for key in ("epoch", "step") if key in rest}
+        # Networks and optimizer are restored in place, numbers in `vars(state)` or in the rest.
+        rest = fabric.load(file, vars(state), weights_only=True)
+        content = {**vars(state), **rest}
         state.epoch, state.step = int(content["epoch"]), int(content["step"])
     except Exception as error:
         raise LearnError(

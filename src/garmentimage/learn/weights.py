@@ -7,16 +7,24 @@ from io import StringIO
 from pathlib import Path
 from typing import TypeVar
 
+from huggingface_hub import PyTorchModelHubMixin
 from torch import nn
 
 from garmentimage.errors import LearnError
-from garmentimage.networks import CONFIG_FILE
+from garmentimage.networks import CONFIG_FILE, check_contract
+from garmentimage.raster import CHANNEL_CONTRACT
 from garmentimage.system import shown_path
 
-Model = TypeVar("Model", bound=nn.Module)
 WEIGHTS_CONTRACT = 2
 """Version of the names of weights and of configuration fields; files without one are of version 1.
 `scripts/migrate_weights.py` renames those."""
+
+
+class Network(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
+    """A network that is saved with its configuration, the only argument of its constructor."""
+
+
+Model = TypeVar("Model", bound=Network)
 
 
 @dataclass(frozen=True)
@@ -33,6 +41,24 @@ class NetworkConfig:
                 object.__setattr__(self, each.name, tuple(value))
 
 
+@dataclass(frozen=True)
+class ImageNetworkConfig(NetworkConfig):
+    """What the configuration of every network has whose output are GarmentImages.
+
+    Raises:
+        LearnError: it was made for another channel layout than this version's.
+    """
+
+    channels_contract: str = CHANNEL_CONTRACT
+    """Channel layout that the network was made for."""
+    grid: int = 16
+    """Cells a side, N."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_contract(self.channels_contract)
+
+
 def load_weights(kind: type[Model], folder: str | Path) -> Model:
     """A network from a local folder that `save_pretrained` wrote, ready for use.
 
@@ -43,11 +69,9 @@ def load_weights(kind: type[Model], folder: str | Path) -> Model:
     if not (folder / CONFIG_FILE).is_file():
         raise LearnError(f"{shown_path(folder)}: holds no network (there is no {CONFIG_FILE})")
     try:
-        _check_contract(folder)
+        _check_version(folder)
         with redirect_stdout(StringIO()):  # The loader prints where it loads from.
-            model = kind.from_pretrained(  # type: ignore[attr-defined]
-                str(folder), local_files_only=True, strict=True
-            )
+            model = kind.from_pretrained(str(folder), local_files_only=True, strict=True)
     except LearnError as error:
         raise LearnError(f"{shown_path(folder)}: {error}") from None
     except Exception as error:  # noqa: BLE001  four libraries have errors of their own
@@ -57,16 +81,11 @@ def load_weights(kind: type[Model], folder: str | Path) -> Model:
         ) from None
     if not all(bool(part.isfinite().all()) for part in model.state_dict().values()):
         raise LearnError(f"{shown_path(folder)}: has NaN or infinite weights; get it again")
-    return model.eval()  # type: ignore[no-any-return]
+    return model.eval()
 
 
-def _check_contract(folder: Path) -> None:
-    """Refuse files with names of another version.
-
-    Raises:
-        LearnError: they are of another version.
-        OSError, ValueError, AttributeError: the configuration cannot be read.
-    """
+def _check_version(folder: Path) -> None:
+    """Refuse files with names of another version; errors of a damaged file pass through."""
     config = json.loads((folder / CONFIG_FILE).read_text(encoding="utf-8"))
     found = config.get("weights_contract", 1)
     if found == 1:

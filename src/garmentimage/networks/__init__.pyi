@@ -18,6 +18,7 @@ from .runtime import (
     CONFIG_FILE as CONFIG_FILE,
     WEIGHTS_FOLDER as WEIGHTS_FOLDER,
     bundled_names as bundled_names,
+    check_contract as check_contract,
     damaged_file as damaged_file,
     network_folder as network_folder,
     open_session as open_session,

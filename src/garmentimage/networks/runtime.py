@@ -47,17 +47,16 @@ def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
     raise LearnError(f"there is no {what} {quoted(str(name))}; {hint}name the folder of one")
 
 
-def check_contract(config: Mapping[str, Any], where: str | Path) -> None:
+def check_contract(found: object) -> None:
     """Refuse a network that was made for another channel layout than this version's.
 
     Raises:
         LearnError: it was.
     """
-    found = config.get("channels_contract")
     if found != CHANNEL_CONTRACT:
         raise LearnError(
-            f"{shown_path(where)}: was made for channels {quoted(str(found))}, and this version "
-            f"has {CHANNEL_CONTRACT!r}; train it again, or use the version that trained it"
+            f"was made for channels {quoted(str(found))}, and this version has "
+            f"{CHANNEL_CONTRACT!r}; train it again, or use the version that trained it"
         )
 
 
@@ -73,20 +72,21 @@ def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
     """
     file = folder / CONFIG_FILE
     try:
-        config = json.loads(file.read_text(encoding="utf-8"))
-        numbers: Sequence[Any] = [config[name] for name in sizes]
-        if not all(type(n) is int and 1 <= n <= 4096 for n in numbers):
+        config: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        if not all(type(config[name]) is int and 1 <= config[name] <= 4096 for name in sizes):
             raise ValueError
+        check_contract(config.get("channels_contract"))
+        return config
     except FileNotFoundError:
         raise LearnError(
             f"{shown_path(folder)}: holds no trained network (there is no {CONFIG_FILE})"
         ) from None
     except OSError as error:
         raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
+    except LearnError as error:
+        raise LearnError(f"{shown_path(file)}: {error}") from None
     except (ValueError, KeyError, TypeError, RecursionError):
         raise damaged_file(file) from None
-    check_contract(config, file)
-    return config
 
 
 def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:

@@ -239,7 +239,7 @@ def optimise_latent(  # noqa: PLR0913 - terms of the loss, keyword-only
         if keep_weight is not None:
             loss = loss + (keep_weight * (picture - first) ** 2).sum()
         optimizer.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()
         optimizer.step()
         if not z.isfinite().all():
             raise LearnError(

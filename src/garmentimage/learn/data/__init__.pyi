@@ -8,7 +8,6 @@ from .images import (
 from .latent_images import (
     CaptionedImages as CaptionedImages,
     LatentImages as LatentImages,
-    encode_split as encode_split,
     load_captioned as load_captioned,
     split_encoder as split_encoder,
 )
@@ -33,6 +32,9 @@ from .rasters import (
     read_rasters as read_rasters,
     rest_vectors as rest_vectors,
 )
+from .rows import (
+    TensorRows as TensorRows,
+)
 from .slot_outputs import (
     SlotOutputs as SlotOutputs,
     pattern_from as pattern_from,
@@ -45,8 +47,8 @@ from .slot_vectors import (
     ImagedSlots as ImagedSlots,
     SlotConfig as SlotConfig,
     SlotVectors as SlotVectors,
-    imaged_slots as imaged_slots,
     slot_vocabulary as slot_vocabulary,
+    to_slots as to_slots,
 )
 from .text_encoder import (
     TEXT_SIZE as TEXT_SIZE,

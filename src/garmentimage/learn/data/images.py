@@ -10,11 +10,11 @@ import torch
 from jaxtyping import Bool, Float, Int8, Int16, UInt8
 from torch import Tensor
 
-from garmentimage.dataset import raster_arrays, read_tables, shard_files, shard_metadata
+from garmentimage.dataset import read_tables, shard_files, shard_metadata
 from garmentimage.errors import DatasetError, quoted
-from garmentimage.learn.data.rasters import Rasters, from_channels
-from garmentimage.learn.data.rows import ImageRows
-from garmentimage.system import did_you_mean, shown_path
+from garmentimage.learn.data.rasters import Rasters, column_rasters
+from garmentimage.learn.data.rows import ImageRows, join_rows
+from garmentimage.system import did_you_mean
 
 PICTURE_COLUMN, PANELS_COLUMN = "picture_front", "panels"
 BODY_LABEL = 1
@@ -83,44 +83,33 @@ def load_split(folder: str | Path, split: str, *, without: Collection[str] = ())
         DatasetError: there is no such split or type, the split has no front views, or its garments
             have more than two layers.
     """
-    pictures: list[np.ndarray] = []
-    cloth: list[np.ndarray] = []
-    waists: list[np.ndarray] = []
-    images: list[np.ndarray] = []
-    columns: dict[str, list[str]] = {"id": [], "type": [], "pattern": []}
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
     known = shard_metadata(shard_files(folder, split)[0]).types
     for name in without:
         if name not in known:
             raise DatasetError(
                 f"the dataset has no type {quoted(name)}; {did_you_mean(name, known)}"
             )
+    left_out = pa.array(list(without), pa.string())
+    parts: list[ImagedGarments] = []
+    columns: dict[str, list[str]] = {"id": [], "type": [], "pattern": []}
     for table in read_tables(folder, split, [*columns, "raster", PICTURE_COLUMN, PANELS_COLUMN]):
-        kinds = table["type"].to_pylist()
-        kept = [k for k, name in enumerate(kinds) if name not in without]
-        here = raster_arrays(table["raster"])
-        if any(len(here[k]) != 2 for k in kept):
-            raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
-        images += [here[k] for k in kept]
-        shown = table[PICTURE_COLUMN].to_pylist()
-        pictures += [read_pixels(shown[k]["bytes"]) for k in kept]
-        panels = table[PANELS_COLUMN].to_pylist()
-        maps = [read_panel_map(panels[k]["bytes"]) for k in kept]
-        cloth += [each > BODY_LABEL for each in maps]
-        waists += [waist_rows(each) for each in maps]
+        table = table.filter(pc.invert(pc.is_in(table["type"], left_out)))
+        if not len(table):
+            continue
+        pictures, maps = (
+            [read(each["bytes"]) for each in table[name].to_pylist()]
+            for name, read in ((PICTURE_COLUMN, read_pixels), (PANELS_COLUMN, read_panel_map))
+        )
+        arrays = pictures, [each > BODY_LABEL for each in maps], [waist_rows(each) for each in maps]
+        tensors = (torch.from_numpy(np.stack(each)) for each in arrays)
+        rasters = column_rasters(table["raster"], folder)
+        parts.append(ImagedGarments(*tensors, *vars(rasters).values()))
         for name, values in columns.items():
-            column = table[name].to_pylist()
-            values += [column[k] for k in kept]
-    if not images:
-        raise DatasetError(f"{shown_path(folder)}: its split {quoted(split)} has no rows")
-    found = from_channels(np.stack(images))
-    garments = ImagedGarments(
-        torch.from_numpy(np.stack(pictures)),
-        torch.from_numpy(np.stack(cloth)),
-        torch.from_numpy(np.stack(waists)),
-        found.inside,
-        found.types,
-        found.vectors,
-    )
+            values += table[name].to_pylist()
+    garments = join_rows(parts, folder, split)
     return ImageSplit(garments, *(tuple(values) for values in columns.values()))
 
 

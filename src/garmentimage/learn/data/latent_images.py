@@ -1,7 +1,7 @@
 """Images with latent vectors, and images with prompts: the data for editing by text."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,15 +13,14 @@ from torch import Tensor
 from garmentimage.dataset import parse_patterns, random_prompt, read_tables
 from garmentimage.errors import LearnError
 from garmentimage.learn.data.images import PICTURE_COLUMN, ImageSplit, read_pixels
-from garmentimage.learn.data.pattern_vectors import Vocabulary, read_vocabulary, to_vectors
+from garmentimage.learn.data.pattern_vectors import read_vocabulary, to_vectors
 from garmentimage.learn.data.rows import ImageRows
 from garmentimage.learn.data.text_encoder import embed_texts
 from garmentimage.learn.models import GarmentVAE, VectorVAE
 from garmentimage.learn.weights import load_weights
+from garmentimage.networks import CONFIG_FILE
 from garmentimage.system import shown_path
 
-SplitEncoder = Callable[[ImageSplit], tuple[Tensor, Tensor]]
-"""Means and standard deviations of a split's latent vectors, each [n, latent]."""
 PROMPTS_PER_GARMENT = 8
 PROMPT_SEED = 41
 """Of the words that are drawn for prompts."""
@@ -38,13 +37,7 @@ class LatentImages(ImageRows):
     """RGB from 0 to 255, the lowest row of pixels first."""
 
 
-def encode_split(split: ImageSplit, encode: SplitEncoder) -> LatentImages:
-    """Encode the garments of a split with a trained VAE."""
-    latents, spread = encode(split)
-    return LatentImages(latents, spread, split.garments.pictures)
-
-
-def split_encoder(vae: Path) -> SplitEncoder:
+def split_encoder(vae: Path) -> Callable[[ImageSplit], LatentImages]:
     """The encoder of a trained VAE, of GarmentImages or of vectors.
 
     Args:
@@ -54,38 +47,29 @@ def split_encoder(vae: Path) -> SplitEncoder:
         LearnError: the folder holds no VAE.
     """
     try:
-        is_vectors = "vertices" in json.loads((vae / "config.json").read_text(encoding="utf-8"))
+        is_vectors = "vertices" in json.loads((vae / CONFIG_FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise LearnError(f"{shown_path(vae)}: holds no VAE ({type(error).__name__})") from None
     if is_vectors:
-        return _of_vectors(load_weights(VectorVAE, vae), read_vocabulary(vae))
-    return _of_rasters(load_weights(GarmentVAE, vae))
+        vector_vae, words = load_weights(VectorVAE, vae), read_vocabulary(vae)
+        return lambda split: _latent_images(
+            split,
+            map(
+                vector_vae.encode,
+                to_vectors(parse_patterns(split.patterns, "the dataset"), words).parts(),
+            ),
+        )
+    model = load_weights(GarmentVAE, vae)
+    return lambda split: _latent_images(
+        split, (model.encode(part.inputs()) for part in split.garments.rasters.parts())
+    )
 
 
-def _of_rasters(model: GarmentVAE) -> SplitEncoder:
-    @torch.no_grad()
-    def encode(split: ImageSplit) -> tuple[Tensor, Tensor]:
-        rasters = split.garments.rasters
-        parts = torch.arange(len(rasters)).split(256)
-        return _joined([model.encode(rasters.batch(part).inputs()) for part in parts])
-
-    return encode
-
-
-def _of_vectors(model: VectorVAE, words: Vocabulary) -> SplitEncoder:
-    @torch.no_grad()
-    def encode(split: ImageSplit) -> tuple[Tensor, Tensor]:
-        found = to_vectors(parse_patterns(split.patterns, "the dataset"), words)
-        parts = torch.arange(len(found)).split(256)
-        return _joined([model.encode(found.batch(part)) for part in parts])
-
-    return encode
-
-
-def _joined(parts: list[tuple[Tensor, Tensor]]) -> tuple[Tensor, Tensor]:
-    """Means and standard deviations, from batches of means and log variances."""
-    means, logs = (torch.cat(each) for each in zip(*parts, strict=True))
-    return means, (0.5 * logs).exp()
+@torch.no_grad()
+def _latent_images(split: ImageSplit, encoded: Iterable[tuple[Tensor, Tensor]]) -> LatentImages:
+    """From batches of means and log variances, which are only computed here."""
+    means, logs = (torch.cat(each) for each in zip(*encoded, strict=True))
+    return LatentImages(means, (0.5 * logs).exp(), split.garments.pictures)
 
 
 @dataclass
@@ -119,12 +103,11 @@ def load_captioned(folder: Path, split: str) -> CaptionedImages:
     prompts: list[list[str]] = []
     for table in read_tables(folder, split, ["kind", "parameters", PICTURE_COLUMN]):
         pictures += [read_pixels(each["bytes"]) for each in table[PICTURE_COLUMN].to_pylist()]
-        columns = (table[name].to_pylist() for name in ("kind", "parameters"))
-        for kind, text in zip(*columns, strict=True):
+        for row in table.select(["kind", "parameters"]).to_pylist():
             random = np.random.default_rng([PROMPT_SEED, len(prompts)])
-            parameters = json.loads(text)
+            parameters = json.loads(row["parameters"])
             prompts.append(
-                [random_prompt(kind, parameters, random) for _ in range(PROMPTS_PER_GARMENT)]
+                [random_prompt(row["kind"], parameters, random) for _ in range(PROMPTS_PER_GARMENT)]
             )
     distinct = sorted({prompt for each in prompts for prompt in each})
     numbers = {prompt: k for k, prompt in enumerate(distinct)}

@@ -108,7 +108,7 @@ class Vocabulary:
         topologies = [
             {
                 "vertices": dict(topology),
-                "places": {name: [list(v) for v in place] for name, place in known.places.items()},
+                "places": known.places,
                 "stitches": [
                     [s.a.panel, s.a.edge, s.b.panel, s.b.edge, s.same_direction]
                     for s in known.stitches
@@ -145,35 +145,29 @@ def read_patterns(folder: str | Path, split: str) -> list[Pattern]:
     Raises:
         DatasetError: there is no such split, or one of its patterns is damaged.
     """
-    texts = [
-        text
-        for table in read_tables(folder, split, ["pattern"])
-        for text in table["pattern"].to_pylist()
-    ]
-    return parse_patterns(texts, folder)
+    tables = read_tables(folder, split, ["pattern"])
+    return parse_patterns([text for each in tables for text in each["pattern"].to_pylist()], folder)
 
 
 def build_vocabulary(patterns: Sequence[Pattern]) -> Vocabulary:
     """Panel kinds and topologies of some garments; of each topology its most frequent stitches."""
-    names = sorted({panel.name for pattern in patterns for panel in pattern.panels})
-    most = max(len(panel.outline.vertices) for pattern in patterns for panel in pattern.panels)
-    seams: dict[Topology, Counter[tuple[tuple[Side, Side, bool], ...]]] = {}
-    places: dict[Topology, dict[str, tuple[Vector, Vector]]] = {}
+    panels = [panel for pattern in patterns for panel in pattern.panels]
+    alike: dict[Topology, list[Pattern]] = {}
     for pattern in patterns:
-        topology = vertex_counts(pattern)
-        seams.setdefault(topology, Counter())[
-            tuple((s.a, s.b, s.same_direction) for s in pattern.stitches)
-        ] += 1
-        places.setdefault(
-            topology, {panel.name: (panel.translation, panel.rotation) for panel in pattern.panels}
+        alike.setdefault(vertex_counts(pattern), []).append(pattern)
+    topologies = {}
+    for topology, group in alike.items():
+        places = {panel.name: (panel.translation, panel.rotation) for panel in group[0].panels}
+        seams = Counter(
+            tuple((s.a, s.b, s.same_direction) for s in each.stitches) for each in group
         )
-    topologies = {
-        topology: KnownTopology(
-            places[topology], tuple(Stitch(*sides) for sides in counter.most_common(1)[0][0])
-        )
-        for topology, counter in seams.items()
-    }
-    return Vocabulary(tuple(names), most, topologies)
+        stitches = tuple(Stitch(*sides) for sides in seams.most_common(1)[0][0])
+        topologies[topology] = KnownTopology(places, stitches)
+    return Vocabulary(
+        tuple(sorted({panel.name for panel in panels})),
+        max(len(panel.outline.vertices) for panel in panels),
+        topologies,
+    )
 
 
 def vocabulary_from_json(text: str) -> Vocabulary:
@@ -218,11 +212,8 @@ def _three(values: Sequence[float]) -> Vector:
 
 def to_vectors(patterns: Sequence[Pattern], vocabulary: Vocabulary) -> PatternVectors:
     """The vectors of some garments."""
-    rows = [vocabulary.vectors(pattern) for pattern in patterns]
-    return PatternVectors(
-        torch.from_numpy(np.stack([numbers for numbers, _ in rows])),
-        torch.from_numpy(np.stack([is_present for _, is_present in rows])),
-    )
+    columns = zip(*map(vocabulary.vectors, patterns), strict=True)
+    return PatternVectors(*(torch.from_numpy(np.stack(column)) for column in columns))
 
 
 def vertex_counts(pattern: Pattern) -> Topology:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -10,7 +11,7 @@ from torch import Tensor
 
 from garmentimage.dataset import raster_arrays, read_tables
 from garmentimage.errors import DatasetError
-from garmentimage.learn.data.rows import TensorRows
+from garmentimage.learn.data.rows import TensorRows, join_rows
 from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, BodyFrame, split_channels
 from garmentimage.system import shown_path
 
@@ -72,22 +73,26 @@ def read_rasters(folder: str | Path, split: str) -> LabelledRasters:
     ids: list[str] = []
     names: list[str] = []
     for table in read_tables(folder, split, ["id", "type", "raster"]):
-        images = raster_arrays(table["raster"])
-        if any(len(image) != LAYERS for image in images):
-            raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
-        if images:
-            parts.append(from_channels(np.stack(images)))
+        if len(table):
+            parts.append(column_rasters(table["raster"], folder))
         ids += table["id"].to_pylist()
         names += table["type"].to_pylist()
-    if not parts:
-        raise DatasetError(f"{shown_path(folder)}: its split {split!r} has no rows")
-    fields = zip(*((p.inside, p.types, p.vectors) for p in parts), strict=True)
-    return LabelledRasters(
-        Rasters(*(torch.cat(field) for field in fields)), tuple(ids), tuple(names)
-    )
+    return LabelledRasters(join_rows(parts, folder, split), tuple(ids), tuple(names))
 
 
-def from_channels(channels: Float[np.ndarray, "n 2 17 row col"]) -> Rasters:
+def column_rasters(column: Any, folder: str | Path) -> Rasters:
+    """The rasters of some rows of a dataset, one or more.
+
+    Raises:
+        DatasetError: a garment does not have two layers.
+    """
+    images = raster_arrays(column)
+    if any(len(image) != LAYERS for image in images):
+        raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
+    return rasters_from_channels(np.stack(images))
+
+
+def rasters_from_channels(channels: Float[np.ndarray, "n 2 17 row col"]) -> Rasters:
     """Rasters of channels in the order of `GarmentImage.to_channels`, layer by layer."""
     count, grid = len(channels), channels.shape[-1]
     flags, one_hot, edges = split_channels(channels.reshape(count, INPUT_CHANNELS, grid, grid))

@@ -18,11 +18,10 @@ from jaxtyping import Bool, Float, UInt8
 from torch import Tensor
 
 from garmentimage.errors import LearnError, quoted
-from garmentimage.learn.data.images import ImageSplit
 from garmentimage.learn.data.rows import ImageRows, TensorRows
 from garmentimage.learn.weights import NetworkConfig
 from garmentimage.metrics import quaternion, universal_translation
-from garmentimage.pattern import Cubic, Edge, Loop, Pattern, Quadratic, Side
+from garmentimage.pattern import Cubic, Edge, Loop, Pattern, Quadratic
 
 CHORD_CM, BEND = 25.0, 0.25
 """Units of the chords of edges [cm], and of the offsets of their control points [chord lengths]."""
@@ -100,7 +99,7 @@ class SlotVectors(TensorRows):
     """Edges that have a stitch."""
 
 
-def slot_vectors(patterns: Sequence[Pattern], vocabulary: SlotVocabulary) -> SlotVectors:
+def to_slots(patterns: Sequence[Pattern], vocabulary: SlotVocabulary) -> SlotVectors:
     """Garments as tensors; holes of panels are left out.
 
     Raises:
@@ -138,28 +137,21 @@ class ImagedSlots(ImageRows):
     patterns: SlotVectors
 
 
-def imaged_slots(
-    split: ImageSplit, patterns: Sequence[Pattern], vocabulary: SlotVocabulary
-) -> ImagedSlots:
-    """The images of a split with its patterns in slots."""
-    return ImagedSlots(split.garments.pictures, slot_vectors(patterns, vocabulary))
-
-
 def _stitch_tags(
     pattern: Pattern, vocabulary: SlotVocabulary
 ) -> list[tuple[list[tuple[int, int]], Float[np.ndarray, "3"]]]:
     """Slot and edge of both sides of every stitch, and the tag they share, from `CENTRE` [cm]."""
     tags = []
     for stitch in pattern.stitches:
-        outlines = [pattern.by_name[side.panel].outline for side in stitch.sides]
-        if any(
-            side.edge >= len(outline.edges)
-            for side, outline in zip(stitch.sides, outlines, strict=True)
-        ):
+        panels = [pattern.by_name[side.panel] for side in stitch.sides]
+        sides = list(zip(panels, (side.edge for side in stitch.sides), strict=True))
+        if any(edge >= len(panel.outline.edges) for panel, edge in sides):
             continue  # a stitch of a hole, which has no slot
-        middle = np.mean([_middle(pattern, side) for side in stitch.sides], axis=0)
-        edges = [(vocabulary.names.index(side.panel), side.edge) for side in stitch.sides]
-        tags.append((edges, middle - CENTRE))
+        middles = [
+            panel.to_world(panel.curves[edge].at(np.array([0.5])))[0] for panel, edge in sides
+        ]
+        edges = [(vocabulary.names.index(panel.name), edge) for panel, edge in sides]
+        tags.append((edges, np.mean(middles, axis=0) - CENTRE))
     return tags
 
 
@@ -175,8 +167,3 @@ def _row(loop: Loop, edge: Edge) -> Float[np.ndarray, "6"]:
         case _:
             raise LearnError("slots hold straight edges and Bézier curves only")
     return np.array([x1 - x0, y1 - y0, *(controls - THIRDS)])
-
-
-def _middle(pattern: Pattern, side: Side) -> np.ndarray:
-    panel = pattern.by_name[side.panel]
-    return panel.to_world(panel.curves[side.edge].at(np.array([0.5])))[0]

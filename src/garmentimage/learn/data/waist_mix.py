@@ -68,7 +68,7 @@ def _is_sewn(batch: ImagedGarments, line: int) -> Bool[Tensor, " n"]:
     """Which garments have a seam along a whole line of the grid, front and back."""
     above, below = (_cells(batch, row) for row in (line, line - 1))
     seam = (batch.types[:, ::2, line] == EdgeType.SIDE_BY_SIDE).flatten(1)
-    wide = (above.unflatten(1, (LAYERS, -1)).sum(2) >= MIN_CELLS).all(1)
+    wide: Tensor = (above.unflatten(1, (LAYERS, -1)).sum(2) >= MIN_CELLS).all(1)
     return (above == below).all(1) & (seam == above).all(1) & wide
 
 

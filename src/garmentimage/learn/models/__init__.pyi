@@ -12,8 +12,8 @@ from .denoiser import (
 )
 from .garment_vae import (
     GarmentVAE as GarmentVAE,
-    from_channels as from_channels,
-    to_channels as to_channels,
+    network_inputs as network_inputs,
+    output_channels as output_channels,
     vae_config as vae_config,
 )
 from .image_decoder import (

@@ -10,18 +10,16 @@ and none of the regularisers that `CascadeConfig` adds.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 import torch
-from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
-from torch import Tensor, nn
+from torch import Tensor
 from torch.nn import functional
 
 from garmentimage.learn.data import (
-    INPUT_CHANNELS,
     LAYERS,
     ImagedGarments,
     Rasters,
@@ -31,13 +29,17 @@ from garmentimage.learn.data import (
     mix_at_waist,
     recolour_cloth,
 )
-from garmentimage.learn.models.garment_vae import FLAGS, TYPES, check_channels, to_channels
-from garmentimage.learn.models.unet import UNet, space_to_depth
-from garmentimage.learn.weights import NetworkConfig
-from garmentimage.raster import CHANNEL_CONTRACT, EDGE_TYPE_COUNT
-
-VECTORS = INPUT_CHANNELS - FLAGS - TYPES
-"""Channels of edge vectors."""
+from garmentimage.learn.models.garment_vae import (
+    FLAGS,
+    MAPS,
+    TYPES,
+    VECTORS,
+    image_losses,
+    output_channels,
+)
+from garmentimage.learn.models.unet import UNet
+from garmentimage.learn.weights import ImageNetworkConfig, Network
+from garmentimage.raster import EDGE_TYPE_COUNT
 
 
 class Stage(StrEnum):
@@ -49,13 +51,9 @@ class Stage(StrEnum):
 
 
 @dataclass(frozen=True)
-class CascadeConfig(NetworkConfig):
+class CascadeConfig(ImageNetworkConfig):
     """Size of the networks, and how they are trained; `PAPER_CONFIG` is as in the paper."""
 
-    channels_contract: str = CHANNEL_CONTRACT
-    """Channel layout that the network was made for."""
-    grid: int = 16
-    """Cells a side, N."""
     picture: int = 128
     """Pixels a side."""
     channels: Sequence[int] = (48, 64, 64)
@@ -81,10 +79,6 @@ class CascadeConfig(NetworkConfig):
     adjust_logits: bool = True
     """Correct logits of edge types for `boundary_weight` in use (`adjust_logits`); otherwise seams
     appear where none is likeliest."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_channels(self.channels_contract)
 
 
 CERTAIN_LOGIT = 20.0
@@ -112,7 +106,7 @@ ABLATIONS = {
 """Our departures from the paper by name, and the settings that are as in the paper without them."""
 
 
-class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
+class Cascade(Network):
     """Images to GarmentImages."""
 
     def __init__(self, config: CascadeConfig) -> None:
@@ -135,30 +129,23 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
 
     def forward(self, batch: ImagedGarments) -> dict[str, Tensor]:
         """Losses of the three networks, each given the ground truth of the stages before it."""
-        config = self.config
+        config, images = self.config, None
         if config.mirror and self.training:
             batch = batch.mirrored(torch.rand(len(batch), device=batch.pictures.device) < 0.5)
-        images = None
         if self.training:
             batch, is_mixed = mix_at_waist(batch, config.waist_mix)
             images = recolour_cloth(batch, is_mixed, config.recolour) if config.recolour else None
-        image, truth = space_to_depth(batch.images() if images is None else images), batch.rasters
-        maps = truth.inputs()
-        flags, types = maps[:, :FLAGS], maps[:, FLAGS : FLAGS + TYPES]
+        images, truth = batch.images() if images is None else images, batch.rasters
+        flags, types, _ = truth.inputs().split(MAPS, 1)
         if config.label_noise and self.training:
-            flags, types = (
-                flag_noise(flags, config.label_noise),
-                type_noise(types, config.label_noise),
-            )
-        losses = {
-            "flags": self._flag_loss(self.to_flags(image), truth.inside.float()),
-            "types": self._type_loss(self.to_types(image, flags), truth.types.long()),
-            "vectors": self._vector_loss(
-                self.to_vectors(image, torch.cat([flags, types], 1)), truth.vectors, truth.inside
-            ),
-        }
-        losses["loss"] = losses["flags"] + losses["types"] + losses["vectors"]
-        return losses
+            flags = flag_noise(flags, config.label_noise)
+            types = type_noise(types, config.label_noise)
+        outputs = torch.cat(
+            [self.to_flags(images), self.to_types(images, flags),
+             self.to_vectors(images, flags, types)], 1
+        )  # fmt: skip
+        losses = image_losses(outputs, truth, config.boundary_weight, squared=config.squared_losses)
+        return {**losses, "loss": losses["flags"] + losses["types"] + losses["vectors"]}
 
     def predict(
         self,
@@ -168,87 +155,39 @@ class Cascade(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lice
     ) -> Float[Tensor, "n 34 row col"]:
         """Channels of images, as `decode` reads them: probabilities, and vectors in cm.
 
+        With `mirror`, outputs are means over the images and their mirror images.
+
         Args:
             images: colours from 0 to 1, the lowest row of pixels first.
             truth: the garments in them, where a `teacher` is given.
             teacher: the last stage whose output is taken from the truth, with all before it; None
                 for none.
         """
-        count = 0 if truth is None or teacher is None else list(Stage).index(teacher) + 1
-        logits = None if truth is None or not count else ground_truth_logits(truth)
-        flags = (
-            self._with_mirror_ensemble(self.to_flags, mirrored_flags, images)
-            if logits is None
-            else logits[:, :FLAGS]
-        )
-        inside = (flags > 0).float()
-        if logits is None or count < 2:
-            types = self._with_mirror_ensemble(self.to_types, mirrored_types, images, inside)
-            if self.config.adjust_logits:
-                types = adjust_logits(types, self.config.boundary_weight)
-        else:
-            types = logits[:, FLAGS : FLAGS + TYPES]
-        if logits is None or count < 3:
-            one_hot = one_hot_types(types)
-            vectors = self._with_mirror_ensemble(
-                self.to_vectors, mirrored_vectors, images, inside, one_hot
-            )
-        else:
-            vectors = logits[:, FLAGS + TYPES :]
-        return to_channels(torch.cat([flags, types, vectors], 1))
-
-    def _with_mirror_ensemble(
-        self,
-        network: UNet,
-        mirrored: Callable[[Tensor], Tensor],
-        images: Tensor,
-        inside: Tensor | None = None,
-        types: Tensor | None = None,
-    ) -> Tensor:
-        """Output of a network; with `mirror`, the mean over images and mirror images.
-
-        Args:
-            network: one of the three.
-            mirrored: exchanges left and right of its output.
-            images: colours from 0 to 1.
-            inside: flags, if it takes them.
-            types: edge types, one-hot, if it takes them.
-        """
-        found: Tensor = network(space_to_depth(images), _stacked(inside, types))
-        if not self.config.mirror:
-            return found
-        turned = _stacked(
-            None if inside is None else mirrored_flags(inside),
-            None if types is None else mirrored_types(types),
-        )
-        return (found + mirrored(network(space_to_depth(images.flip(-1)), turned))) / 2
-
-    def _flag_loss(self, logits: Tensor, inside: Tensor) -> Tensor:
-        if self.config.squared_losses:
-            return functional.mse_loss(logits.sigmoid(), inside)
-        return functional.binary_cross_entropy_with_logits(logits, inside)
-
-    def _type_loss(self, logits: Tensor, types: Tensor) -> Tensor:
-        weight = torch.where(types > 0, self.config.boundary_weight, 1.0)
-        by_type = logits.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT)).transpose(1, 2)
-        return (weight * functional.cross_entropy(by_type, types, reduction="none")).mean()
-
-    def _vector_loss(self, found: Tensor, vectors: Tensor, inside: Tensor) -> Tensor:
-        """Mean over the cells inside of the summed error of their eight numbers."""
-        is_cloth = inside.float().repeat_interleave(8, 1)
-        differences = (found - vectors.float()) * is_cloth
-        if self.config.squared_losses:
-            return (differences**2).sum() / is_cloth.sum()
-        zeros = torch.zeros_like(differences)
-        return (
-            functional.smooth_l1_loss(differences, zeros, beta=0.01, reduction="sum")
-            / is_cloth.sum()
-        )
-
-
-def _stacked(inside: Tensor | None, types: Tensor | None) -> Tensor | None:
-    maps = [each for each in (inside, types) if each is not None]
-    return torch.cat(maps, 1) if maps else None
+        known: tuple[Tensor, ...] = ()
+        if truth is not None and teacher is not None:
+            count = list(Stage).index(teacher) + 1
+            known = ground_truth_logits(truth).split(MAPS, 1)[:count]
+        outputs: list[Tensor] = []
+        maps: list[Tensor] = []
+        mirrored_maps: list[Tensor] = []
+        for stage, network, mirrored in (
+            (Stage.FLAGS, self.to_flags, mirrored_flags),
+            (Stage.TYPES, self.to_types, mirrored_types),
+            (Stage.VECTORS, self.to_vectors, mirrored_vectors),
+        ):
+            if len(outputs) < len(known):
+                found = known[len(outputs)]
+            else:
+                found = network(images, *maps)
+                if self.config.mirror:
+                    found = (found + mirrored(network(images.flip(-1), *mirrored_maps))) / 2
+                if stage == Stage.TYPES and self.config.adjust_logits:
+                    found = adjust_logits(found, self.config.boundary_weight)
+            outputs.append(found)
+            if stage != Stage.VECTORS:
+                maps.append((found > 0).float() if stage == Stage.FLAGS else one_hot_types(found))
+                mirrored_maps.append(mirrored(maps[-1]))
+        return output_channels(torch.cat(outputs, 1))
 
 
 def adjust_logits(
@@ -260,22 +199,21 @@ def adjust_logits(
     subtracted from their logits (Menon et al. 2021).
     """
     is_boundary = torch.arange(EDGE_TYPE_COUNT, device=logits.device) > 0
-    by_type = logits.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT))
+    by_type: Tensor = logits.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT))
     return (by_type - math.log(weight) * is_boundary[:, None, None]).flatten(1, 2)
 
 
 def one_hot_types(logits: Float[Tensor, "n 16 row col"]) -> Float[Tensor, "n 16 row col"]:
     """The likeliest type of every grid edge, one-hot."""
-    chosen = logits.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT)).argmax(2, keepdim=True)
+    by_type: Tensor = logits.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT))
     kinds = torch.arange(EDGE_TYPE_COUNT, device=logits.device)[:, None, None]
-    return (chosen == kinds).float().flatten(1, 2)
+    return (by_type.argmax(2, keepdim=True) == kinds).float().flatten(1, 2)
 
 
 def ground_truth_logits(truth: Rasters) -> Float[Tensor, "n 34 row col"]:
     """Maps of garments as a network would give them: labels as certain logits, vectors."""
-    maps = truth.inputs()
-    logits = (2 * maps[:, : FLAGS + TYPES] - 1) * CERTAIN_LOGIT
-    return torch.cat([logits, maps[:, FLAGS + TYPES :]], 1)
+    labels, vectors = truth.inputs().split([FLAGS + TYPES, VECTORS], 1)
+    return torch.cat([(2 * labels - 1) * CERTAIN_LOGIT, vectors], 1)
 
 
 def flag_noise(flags: Float[Tensor, "n 2 row col"], share: float) -> Float[Tensor, "n 2 row col"]:

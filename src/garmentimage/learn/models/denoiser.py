@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
-from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
@@ -21,7 +20,7 @@ from torch.nn import functional
 from garmentimage.errors import LearnError
 from garmentimage.learn.blocks import FiLMBlock, UNetLevels
 from garmentimage.learn.data import CaptionedImages
-from garmentimage.learn.weights import NetworkConfig
+from garmentimage.learn.weights import Network, NetworkConfig
 
 PATCH = 2
 """Pixels a side of a patch, which become channels before the first convolution."""
@@ -55,13 +54,13 @@ class DenoiserConfig(NetworkConfig):
             )
 
 
-class Denoiser(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
-    """Noisy images to their noise; times run from 0, no noise, to 1, noise alone."""
+class Denoiser(Network):
+    """Noisy images to their noise."""
 
     def __init__(self, config: DenoiserConfig) -> None:
         super().__init__()
         self.config = config
-        widths = config.channels
+        widths, side = config.channels, config.picture // PATCH
         self.null_text = nn.Parameter(torch.zeros(config.text))
         self.conditioning = nn.Sequential(
             nn.Linear(2 * FREQUENCIES + config.text, config.width),
@@ -70,7 +69,6 @@ class Denoiser(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lic
             nn.SiLU(),
         )
         self.stem = nn.Conv2d(3 * PATCH**2, widths[0], 3, padding=1)
-        side = config.picture // PATCH
         self.positions = nn.Parameter(torch.zeros(widths[0], side, side))
         self.levels = UNetLevels(widths, lambda width: FiLMBlock(width, config.width))
         self.head = nn.Conv2d(widths[0], 3 * PATCH**2, 3, padding=1)
@@ -101,7 +99,7 @@ class Denoiser(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lic
 
         Args:
             noisy: the images.
-            times: their times.
+            times: from 0, no noise, to 1, noise alone.
             text: sentence embeddings; None for the null embedding.
         """
         if text is None:
@@ -109,12 +107,7 @@ class Denoiser(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", lic
         alpha, sigma = alpha_sigma(times)
         return alpha * self._v(noisy, times, text) + sigma * noisy
 
-    def _v(
-        self,
-        noisy: Float[Tensor, "n 3 pixel_row pixel_col"],
-        times: Float[Tensor, " n"],
-        text: Float[Tensor, "n text"],
-    ) -> Float[Tensor, "n 3 pixel_row pixel_col"]:
+    def _v(self, noisy: Tensor, times: Tensor, text: Float[Tensor, "n text"]) -> Tensor:
         condition = self.conditioning(torch.cat([time_embedding(times).to(text.dtype), text], 1))
         x = self.stem(functional.pixel_unshuffle(noisy, PATCH)) + self.positions
         return functional.pixel_shuffle(self.head(self.levels(x, condition)), PATCH)

@@ -14,29 +14,28 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import torch
-from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from garmentimage.errors import LearnError, quoted
+from garmentimage.errors import LearnError
 from garmentimage.learn.blocks import FiLMBlock
 from garmentimage.learn.data import INPUT_CHANNELS, LAYERS, VECTOR_CM, Rasters, rest_vectors
-from garmentimage.learn.weights import NetworkConfig
-from garmentimage.raster import CHANNEL_CONTRACT, EDGE_TYPE_COUNT, join_channels, split_channels
+from garmentimage.learn.weights import ImageNetworkConfig, Network
+from garmentimage.raster import EDGE_TYPE_COUNT, join_channels, split_channels
 
 FLAGS, TYPES = LAYERS, 2 * LAYERS * EDGE_TYPE_COUNT
-"""Channels of flags and of edge types in a network's images: flags, edge types, then vectors."""
+VECTORS = INPUT_CHANNELS - FLAGS - TYPES
+MAPS = [FLAGS, TYPES, VECTORS]
+"""Channels of flags, edge types and edge vectors, in this order in a network's images."""
+LEVELS: Mapping[int, tuple[int, ...]] = {16: (64, 128, 128), 32: (32, 64, 128, 128)}
+"""Channels of each level by grid size, down to 4 x 4 cells."""
 
 
 @dataclass(frozen=True)
-class GarmentVAEConfig(NetworkConfig):
+class GarmentVAEConfig(ImageNetworkConfig):
     """Size of the network, and weights of its losses."""
 
-    channels_contract: str = CHANNEL_CONTRACT
-    """Channel layout that the network was made for."""
-    grid: int = 16
-    """Cells a side, N."""
     latent: int = 32
     """Length of a latent vector."""
     channels: Sequence[int] = (64, 128, 128)
@@ -49,27 +48,6 @@ class GarmentVAEConfig(NetworkConfig):
     """Weight of the cross-entropy at boundaries, relative to grid edges inside (NON_BOUNDARY)."""
     vector_weight: float = 2.0
     """Weight of the loss of edge vectors."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_channels(self.channels_contract)
-
-
-def check_channels(contract: str) -> None:
-    """Refuse a network that was made for another channel layout than this version's.
-
-    Raises:
-        LearnError: it was.
-    """
-    if contract != CHANNEL_CONTRACT:
-        raise LearnError(
-            f"the network was made for channels {quoted(contract)}, and this version has "
-            f"{CHANNEL_CONTRACT!r}"
-        )
-
-
-LEVELS: Mapping[int, tuple[int, ...]] = {16: (64, 128, 128), 32: (32, 64, 128, 128)}
-"""Channels of each level by grid size, down to 4 x 4 cells."""
 
 
 def vae_config(grid: int, **changes: float) -> GarmentVAEConfig:
@@ -88,7 +66,7 @@ def vae_config(grid: int, **changes: float) -> GarmentVAEConfig:
     return GarmentVAEConfig(grid=grid, channels=LEVELS[grid], **changes)  # type: ignore[arg-type]
 
 
-class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
+class GarmentVAE(Network):
     """GarmentImages to latent vectors and back."""
 
     def __init__(self, config: GarmentVAEConfig) -> None:
@@ -127,7 +105,8 @@ class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", l
                 x = self.decoder[number](x, z)
             if step < top:
                 x = functional.interpolate(self.project[step](x), scale_factor=2)
-        return self.head(x)
+        outputs: Tensor = self.head(x)
+        return outputs
 
     def forward(self, batch: Rasters) -> dict[str, Tensor]:
         """Losses of a batch, decoded from latent vectors sampled from its posterior."""
@@ -146,32 +125,47 @@ class GarmentVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", l
 
 
 def image_losses(
-    outputs: Float[Tensor, "n 34 row col"], truth: Rasters, boundary_weight: float
+    outputs: Float[Tensor, "n 34 row col"],
+    truth: Rasters,
+    boundary_weight: float,
+    *,
+    squared: bool = False,
 ) -> dict[str, Tensor]:
     """Reconstruction losses: cross-entropy of flags and edge types, smooth L1 of vectors inside.
+
+    Args:
+        outputs: logits of flags and types, and vectors, in the order of `Rasters.inputs`.
+        truth: the garments.
+        boundary_weight: weight of boundaries in the loss of edge types.
+        squared: squared errors of flags and vectors instead.
 
     Returns:
         `flags` [nats per cell], `types` [nats per grid edge, boundaries times `boundary_weight`],
         and `vectors` [mean |difference| in `VECTOR_CM`, quadratic below 1 mm].
     """
-    flags, types, vectors = outputs.split([FLAGS, TYPES, INPUT_CHANNELS - FLAGS - TYPES], 1)
-    inside = truth.inside.float()
-    edge_types = truth.types.long()
+    flags, types, vectors = outputs.split(MAPS, 1)
+    inside, edge_types = truth.inside.float(), truth.types.long()
     weight = torch.where(edge_types > 0, boundary_weight, 1.0)
     logits = types.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT)).transpose(1, 2)
     cross_entropy = functional.cross_entropy(logits, edge_types, reduction="none")
     is_cloth = inside.repeat_interleave(8, 1)
-    differences = functional.smooth_l1_loss(
-        vectors * is_cloth, truth.vectors.float(), beta=0.1 / VECTOR_CM, reduction="sum"
-    )
+    vectors, true_vectors = vectors * is_cloth, truth.vectors.float()
+    if squared:
+        flag_loss = functional.mse_loss(flags.sigmoid(), inside)
+        differences = ((vectors - true_vectors) ** 2).sum()
+    else:
+        flag_loss = functional.binary_cross_entropy_with_logits(flags, inside)
+        differences = functional.smooth_l1_loss(
+            vectors, true_vectors, beta=0.1 / VECTOR_CM, reduction="sum"
+        )
     return {
-        "flags": functional.binary_cross_entropy_with_logits(flags, inside),
+        "flags": flag_loss,
         "types": (weight * cross_entropy).mean(),
         "vectors": differences / is_cloth.sum(),
     }
 
 
-def from_channels(channels: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
+def network_inputs(channels: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
     """Channels in the order of `GarmentImage.to_channels`, in the order of `Rasters.inputs`."""
     inside, types, edges = split_channels(channels)
     rest = torch.from_numpy(rest_vectors(channels.shape[-1])).to(channels).unflatten(0, (4, 2))
@@ -179,11 +173,11 @@ def from_channels(channels: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 3
     return torch.cat([inside, types.flatten(1, 3), vectors.flatten(1, 3)], 1)
 
 
-def to_channels(outputs: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
+def output_channels(outputs: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
     """Output of a network as channels for `decode`: probabilities, and vectors in cm."""
-    grid = outputs.shape[-1]
-    flags, types, vectors = outputs.split([FLAGS, TYPES, INPUT_CHANNELS - FLAGS - TYPES], 1)
-    probabilities = types.unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).softmax(3)
-    rest = torch.from_numpy(rest_vectors(grid)).to(outputs).unflatten(0, (4, 2))
+    flags, types, vectors = outputs.split(MAPS, 1)
+    probabilities: Tensor = types.unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).softmax(3)
+    rest = torch.from_numpy(rest_vectors(outputs.shape[-1])).to(outputs).unflatten(0, (4, 2))
     edges = vectors.unflatten(1, (LAYERS, 4, 2)) * VECTOR_CM + rest
-    return join_channels(flags.sigmoid(), probabilities, edges)
+    channels: Tensor = join_channels(flags.sigmoid(), probabilities, edges)
+    return channels

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import torch
-from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
@@ -17,7 +16,7 @@ from torch.nn import functional
 from garmentimage.errors import LearnError
 from garmentimage.learn.blocks import ResidualBlock
 from garmentimage.learn.data import LatentImages
-from garmentimage.learn.weights import NetworkConfig
+from garmentimage.learn.weights import Network, NetworkConfig
 
 START_PIXELS = 4
 """Pixels a side of the coarsest level, which a linear layer makes of the latent vector."""
@@ -40,14 +39,15 @@ class ImageDecoderConfig(NetworkConfig):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if START_PIXELS * 2 ** (len(self.channels) - 1) != self.picture:
+        drawn = START_PIXELS * 2 ** (len(self.channels) - 1)
+        if drawn != self.picture:
             raise LearnError(
-                f"pictures of {self.picture} pixels a side; this network draws "
-                f"{START_PIXELS * 2 ** (len(self.channels) - 1)}, as recipe text-edit has them"
+                f"pictures of {self.picture} pixels a side; this network draws {drawn}, as recipe "
+                "text-edit has them"
             )
 
 
-class ImageDecoder(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
+class ImageDecoder(Network):
     """Latent vectors to images."""
 
     def __init__(self, config: ImageDecoderConfig) -> None:

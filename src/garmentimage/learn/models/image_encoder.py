@@ -37,7 +37,8 @@ class ImageEncoder(nn.Module):
         self, image: Float[Tensor, "n 3 pixel_row pixel_col"]
     ) -> Float[Tensor, "n channel row col"]:
         """The feature map of an image with colours from 0 to 1."""
-        return self.layers(self.stem(functional.pixel_unshuffle(image - 0.5, PATCH)))
+        found: Tensor = self.layers(self.stem(functional.pixel_unshuffle(image - 0.5, PATCH)))
+        return found
 
 
 class GlobalFeatures(nn.Sequential):

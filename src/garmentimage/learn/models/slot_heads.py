@@ -5,8 +5,6 @@ Formulation of the loss (`slot_losses`): squared errors of edges, of the sum of 
 with weights `LOSS_WEIGHTS`. As in NeuralTailor (Korosteleva and Lee 2022, Section 4.3).
 """
 
-from collections.abc import Callable
-
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
@@ -17,7 +15,6 @@ from garmentimage.learn.data import (
     PLACEMENT_SIZE,
     ROW,
     TAGS,
-    ImagedSlots,
     SlotConfig,
     SlotOutputs,
     SlotVectors,
@@ -32,8 +29,8 @@ LOSS_WEIGHTS = {"shapes": 10.0, "loops": 0.1, "free": 0.5}
 class OutputPrior(nn.Module):
     """Learnt output of an untrained network, initialised to the mean of the training set.
 
-    Networks predict the difference from it. They need not learn the mean first, which takes a
-    transformer most of a small budget.
+    Networks predict the difference from it; otherwise learning the mean takes a transformer most of
+    a small budget.
     """
 
     def __init__(self, config: SlotConfig) -> None:
@@ -57,11 +54,6 @@ class OutputPrior(nn.Module):
         rotations, translations = (self.placements + placements).split([4, 3], 2)
         rows, tags, free = (self.edges + edges).split([ROW, TAGS, 1], 3)
         return SlotOutputs(rows, rotations, translations, tags, free[..., 0])
-
-
-def all_slots(images: Tensor, config: SlotConfig) -> Bool[Tensor, "n slot"]:
-    """A selection of all slots for every image."""
-    return torch.ones(len(images), len(config.names), dtype=torch.bool, device=images.device)
 
 
 def sample_slots(is_present: Bool[Tensor, "n slot"]) -> Float[Tensor, "n slot"]:
@@ -109,17 +101,3 @@ def slot_losses(found: SlotOutputs, truth: SlotVectors) -> dict[str, Tensor]:
     }
     weighted = [LOSS_WEIGHTS.get(name, 1.0) * value for name, value in losses.items()]
     return {**losses, "loss": torch.stack(weighted).sum()}
-
-
-def sampled_losses(
-    predict: Callable[[Tensor, Tensor], SlotOutputs], batch: ImagedSlots
-) -> dict[str, Tensor]:
-    """Losses of a network that predicts the edges of chosen slots only (`sample_slots`).
-
-    Args:
-        predict: images and chosen slots to garments.
-        batch: images and their garments.
-    """
-    weights = sample_slots(batch.patterns.is_present[..., 0])
-    found = predict(batch.images(), weights > 0)
-    return slot_losses(found.weighted(weights), batch.patterns)

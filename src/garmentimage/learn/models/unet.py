@@ -14,13 +14,6 @@ PATCH = 4
 """Pixels a side of a patch, which become channels before the first convolution."""
 
 
-def space_to_depth(
-    image: Float[Tensor, "n 3 pixel_row pixel_col"],
-) -> Float[Tensor, "n 48 patch_row patch_col"]:
-    """An image, colours from 0 to 1, as the networks take it: a patch's pixels as channels."""
-    return functional.pixel_unshuffle(image, PATCH) - 0.5
-
-
 class UNet(nn.Module):
     """Image and maps to maps (see `UNetLevels`).
 
@@ -57,13 +50,14 @@ class UNet(nn.Module):
 
     def forward(
         self,
-        image: Float[Tensor, "n 48 patch_row patch_col"],
-        maps: Float[Tensor, "n maps row col"] | None = None,
+        images: Float[Tensor, "n 3 pixel_row pixel_col"],
+        *maps: Float[Tensor, "n _ row col"],
     ) -> Float[Tensor, "n out row col"]:
-        """Maps of an image in patches (`space_to_depth`)."""
-        x = image
+        """Maps of images with colours from 0 to 1, and of further maps."""
+        x = functional.pixel_unshuffle(images, PATCH) - 0.5
         for number, layer in enumerate(self.image_stem):
             x = layer(functional.silu(x) if number else x)
-        if self.map_stem is not None and maps is not None:
-            x = x + self.map_stem(maps)
-        return self.head(self.levels(x + self.positions))
+        if self.map_stem is not None:
+            x = x + self.map_stem(torch.cat(maps, 1))
+        found: Tensor = self.head(self.levels(x + self.positions))
+        return found

@@ -12,13 +12,13 @@ cross-entropy of their presence, and beta times the Kullback-Leibler divergence 
 from dataclasses import dataclass
 
 import torch
-from huggingface_hub import PyTorchModelHubMixin
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from garmentimage.learn.blocks import transformer_options
 from garmentimage.learn.data import VERTEX_SIZE, PatternVectors
-from garmentimage.learn.weights import NetworkConfig
+from garmentimage.learn.weights import Network, NetworkConfig
 
 
 @dataclass(frozen=True)
@@ -43,32 +43,24 @@ class VectorVAEConfig(NetworkConfig):
     """Weight of the loss of vertices, relative to that of their presence."""
 
 
-class VectorVAE(nn.Module, PyTorchModelHubMixin, library_name="garmentimage", license="mit"):
+class VectorVAE(Network):
     """Vectors of patterns to latent vectors and back."""
 
     def __init__(self, config: VectorVAEConfig) -> None:
         super().__init__()
         self.config = config
         width, values = config.width, config.vertices * (VERTEX_SIZE + 1)
+        layer = transformer_options(width, config.heads)
         self.embed = nn.Linear(values, width)
         self.panel_embedding = nn.Parameter(torch.randn(config.panels, width) * 0.1)
         self.distribution_tokens = nn.Parameter(torch.randn(2, width) * 0.1)
         self.encoder = nn.TransformerEncoder(
-            nn.TransformerEncoderLayer(
-                width, config.heads, 4 * width, 0.0, "gelu", batch_first=True, norm_first=True
-            ),
-            config.layers,
-            enable_nested_tensor=False,
+            nn.TransformerEncoderLayer(**layer), config.layers, enable_nested_tensor=False
         )
         self.to_mean, self.to_log_variance = (nn.Linear(width, config.latent) for _ in range(2))
         self.from_latent = nn.Linear(config.latent, width)
         self.queries = nn.Parameter(torch.randn(config.panels, width) * 0.1)
-        self.decoder = nn.TransformerDecoder(
-            nn.TransformerDecoderLayer(
-                width, config.heads, 4 * width, 0.0, "gelu", batch_first=True, norm_first=True
-            ),
-            config.layers,
-        )
+        self.decoder = nn.TransformerDecoder(nn.TransformerDecoderLayer(**layer), config.layers)
         self.head = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, values))
 
     def encode(self, batch: PatternVectors) -> tuple[Tensor, Tensor]:
