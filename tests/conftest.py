@@ -50,28 +50,44 @@ def pytest_runtest_call(item):
         set_checks(True)
 
 
+def build_small(folder, recipe, *, train_rows, **settings):
+    """A dataset with so many rows for training only, made in this process."""
+    from garmentimage.dataset import building
+
+    def few_shards(what):
+        return tuple(
+            replace(shard, places=shard.places[:train_rows]) if shard.split == "train" else shard
+            for shard in plan_shards(what)
+        )
+
+    plan_shards = building.plan_shards
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(building, "plan_shards", few_shards)
+        patch.setattr(
+            building, "run_tasks", lambda do, tasks, *_: ((task, do(task)) for task in tasks)
+        )
+        building.build_dataset(building.BuildSettings(recipe, folder, 20, **settings))
+    return folder
+
+
 @pytest.fixture(scope="session")
 def pictured(tmp_path_factory):
     """A small dataset of `d2`: pictures and patterns, some of a type not seen in training."""
-    from garmentimage.dataset.building import BuildSettings, build_dataset
     from garmentimage.dataset.recipe import load_recipe
 
     folder = tmp_path_factory.mktemp("d2")
-    build_dataset(BuildSettings(load_recipe("d2"), folder, 20, unseen=4), workers=1)
-    return folder
+    return build_small(folder, load_recipe("d2"), train_rows=36, unseen=4)
 
 
 @pytest.fixture(scope="session")
 def trained(tmp_path_factory):
     """A dataset of three types of `text-edit`, and its networks, trained for an epoch."""
     from garmentimage.cli.app import main
-    from garmentimage.dataset.building import BuildSettings, build_dataset
     from garmentimage.dataset.recipe import load_recipe
 
     folder = tmp_path_factory.mktemp("text-edit")
-    data = folder / "data"
     recipe = load_recipe("text-edit")
-    build_dataset(BuildSettings(replace(recipe, types=recipe.types[:3]), data, 20), workers=1)
+    data = build_small(folder / "data", replace(recipe, types=recipe.types[:3]), train_rows=24)
     for name, words in {
         "vae": [],
         "pictures": ["--vae", folder / "vae" / "model"],
@@ -80,6 +96,6 @@ def trained(tmp_path_factory):
         "vector-pictures": ["--vae", folder / "vector-vae" / "model"],
     }.items():
         network = "image-decoder" if name.endswith("pictures") else name
-        words = [network, "--data", data, *words, "--epochs", 1, "--batch", 24, "-o", folder / name]
+        words = [network, "--data", data, *words, "--epochs", 1, "--batch", 8, "-o", folder / name]
         assert main(["train", *map(str, words)]) == 0
     return folder

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from garmentimage.dataset.building import DATA, BuildSettings, make_shard, plan_shards
@@ -10,5 +12,6 @@ def data(tmp_path_factory):
     folder = tmp_path_factory.mktemp("topology")
     (folder / DATA).mkdir()
     for shard in plan_shards(BuildSettings(load_recipe("vae-topology"), folder, 20)):
-        (folder / DATA / shard.name).write_bytes(make_shard(shard))
+        few = replace(shard, places=shard.places[:24])
+        (folder / DATA / shard.name).write_bytes(make_shard(few))
     return folder

@@ -64,7 +64,7 @@ def test_a_network_that_is_sure_and_right_loses_nothing(image):
 
 def test_rasters_of_a_split_are_those_of_its_rows(data):
     found = read_rasters(data, "train")
-    assert len(found.ids) == len(found.types) == len(found.rasters) == 54
+    assert len(found.ids) == len(found.types) == len(found.rasters) == 24
     assert found.rasters.grid == 16 and found.rasters.vectors.dtype == torch.float16
     part = found.rasters.batch(torch.tensor([3]))
     assert torch.equal(part.inside[0], found.rasters.inside[3])

@@ -63,7 +63,7 @@ def test_panels_of_no_known_kind_are_refused():
 def test_vectors_of_a_split_go_into_batches(data):
     patterns = read_patterns(data, "train")
     found = to_vectors(patterns, build_vocabulary(patterns))
-    assert len(found) == 54
+    assert len(found) == 24
     assert found.numbers.shape[:3] == found.is_present.shape
 
 

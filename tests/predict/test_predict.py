@@ -25,11 +25,11 @@ pytestmark = pytest.mark.slow
 def made(pictured, tmp_path_factory):
     """A cascade that knows a few garments by heart, in a folder, and what it learnt from."""
     folder = tmp_path_factory.mktemp("cascade")
-    album = first_of(load_split(pictured, "train"), 12)
+    album = first_of(load_split(pictured, "train"), 6)
     torch.manual_seed(0)
-    model = Cascade(replace(PAPER_CONFIG, channels=(32, 32, 32), squared_losses=False))
-    optimizer = torch.optim.AdamW(model.parameters(), 3e-3)
-    for _ in range(120):
+    model = Cascade(replace(PAPER_CONFIG, channels=(24, 24, 24), squared_losses=False))
+    optimizer = torch.optim.AdamW(model.parameters(), 4e-3)
+    for _ in range(100):
         optimizer.zero_grad()
         model(album.garments)["loss"].backward()
         optimizer.step()

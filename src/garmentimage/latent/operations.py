@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -73,7 +74,10 @@ def interpolate(
     if not low <= steps <= high:
         raise LearnError(f"{steps} steps; give {low} to {high}")
     start, end = space.encode(a), space.encode(b)
-    return [space.decode(_between(start, end, share)) for share in np.linspace(0, 1, steps)]
+    return [
+        space.decode(((1 - share) * start + share * end).astype(np.float32))
+        for share in np.linspace(0, 1, steps)
+    ]
 
 
 def transfer(
@@ -134,11 +138,12 @@ def edit(
         for s in strengths
     )
     first = next(attempts)
-    if len(strengths) == 1 or _topology(space.decode(a)) == _topology(space.decode(b)):
+    topologies = (topology_or_empty(space.decode(z).pattern) for z in (a, b, c))
+    if len(strengths) == 1 or next(topologies) == next(topologies):
         return first
-    unchanged = ("", _topology(space.decode(c)))
-    changed = (each for each in (first, *attempts) if _topology(each.garment) not in unchanged)
-    return next(changed, first)
+    unchanged = ("", next(topologies))
+    tried = chain([first], attempts)
+    return next((t for t in tried if topology_or_empty(t.garment.pattern) not in unchanged), first)
 
 
 def generate(
@@ -182,7 +187,8 @@ def _sampled(
     for _ in range(MAX_DRAWS):
         garment = space.decode(space.reproject(_normal_sample(stored, random), REPROJECTIONS))
         neighbour = stored[np.linalg.norm(stored - garment.z, axis=1).argmin()]
-        if not garment.faults and _topology(garment) == _topology(space.decode(neighbour)):
+        topology = topology_or_empty(garment.pattern)
+        if not garment.faults and topology == topology_or_empty(space.decode(neighbour).pattern):
             break
     return garment
 
@@ -211,14 +217,6 @@ def nearest(space: LatentSpace, source: Source, count: int = 5) -> list[tuple[st
         )
         for k in nearest_first
     ]
-
-
-def _topology(garment: DecodedGarment) -> str:
-    return topology_or_empty(garment.pattern) if garment.pattern is not None else ""
-
-
-def _between(start: Latent, end: Latent, share: float) -> Latent:
-    return ((1 - share) * start + share * end).astype(np.float32)
 
 
 def _normal_sample(latents: Float32[np.ndarray, "n latent"], random: np.random.Generator) -> Latent:

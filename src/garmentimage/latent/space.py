@@ -9,27 +9,23 @@ from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float32
 
-from garmentimage.compare import (
-    match_panels,
-    pattern_faults,
-)
+from garmentimage.compare import match_panels, pattern_faults
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.networks import (
     CONFIG_FILE,
     DecodedGarment,
     Latent,
+    OnnxNetwork,
     bundled_names,
     damaged_file,
     decoded_garment,
     network_folder,
-    open_session,
+    read_arrays,
     read_config,
-    run_session,
     topology_or_empty,
 )
 from garmentimage.pattern import Pattern
@@ -80,6 +76,9 @@ class LatentSpace:
         if not isinstance(recipe, str) or type(seed) is not int or not 0 <= seed < 2**63:
             raise damaged_file(self.folder / CONFIG_FILE)
         self.is_symmetric = False  # whether decoded images are symmetrised, see `symmetrised_for`
+        channels, z = ("channels", [34, self.grid, self.grid]), ("z", [self.latent])
+        self._encoder = OnnxNetwork(self.folder / ENCODER_FILE, dict([channels, z]))
+        self._decoder = OnnxNetwork(self.folder / DECODER_FILE, dict([z, channels]))
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT_SPACE) -> "LatentSpace":
@@ -140,13 +139,13 @@ class LatentSpace:
         self, channels: Float32[np.ndarray, "n 34 row col"]
     ) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of images: means of the encoder's posterior."""
-        return run_session(self._encoder, self.folder / ENCODER_FILE, channels)
+        return self._encoder(channels)
 
     def decode_channels(
         self, z: Float32[np.ndarray, "n latent"]
     ) -> Float32[np.ndarray, "n 34 row col"]:
         """Channels of latent vectors: probabilities, and vectors in cm, not repaired."""
-        channels = run_session(self._decoder, self.folder / DECODER_FILE, z)
+        channels = self._decoder(z)
         return (channels + mirrored_channels(channels)) / 2 if self.is_symmetric else channels
 
     def symmetrised_for(self, image: GarmentImage) -> "LatentSpace":
@@ -230,35 +229,17 @@ class LatentSpace:
     @cached_property
     def garments(self) -> KnownGarments:
         """Some of its training garments."""
-        try:
-            with np.load(self.folder / GARMENTS_FILE, allow_pickle=False) as file:
-                ids, types, latents = (file[name] for name in ("ids", "types", "latents"))
-            found = KnownGarments(
-                tuple(ids.tolist()), tuple(types.tolist()), latents.astype(np.float32)
-            )
-        except Exception as error:  # zipfile, zlib and numpy each have their own.
-            raise damaged_file(self.folder / GARMENTS_FILE) from error
-        count = len(found.ids)
+        file = self.folder / GARMENTS_FILE
+        ids, types, latents = read_arrays(file, ids="U", types="U", latents="f")
         if (
-            found.latents.shape != (count, self.latent)
-            or len(found.types) != count
-            or not all(isinstance(each, str) for each in (*found.ids, *found.types))
-            or not np.isfinite(found.latents).all()
-            or any(found.types.count(name) < MIN_GARMENTS_PER_TYPE for name in set(found.types))
-            or not count
+            latents.shape != (ids.size, self.latent)
+            or not ids.shape == types.shape == (ids.size,)
+            or not ids.size
+            or not np.isfinite(latents).all()
+            or np.unique(types, return_counts=True)[1].min() < MIN_GARMENTS_PER_TYPE
         ):
-            raise damaged_file(self.folder / GARMENTS_FILE)
-        return found
-
-    @cached_property
-    def _encoder(self) -> Any:
-        sizes = {"channels": [34, self.grid, self.grid], "z": [self.latent]}
-        return open_session(self.folder / ENCODER_FILE, sizes)
-
-    @cached_property
-    def _decoder(self) -> Any:
-        sizes = {"z": [self.latent], "channels": [34, self.grid, self.grid]}
-        return open_session(self.folder / DECODER_FILE, sizes)
+            raise damaged_file(file)
+        return KnownGarments(tuple(ids.tolist()), tuple(types.tolist()), latents.astype(np.float32))
 
 
 def space_names() -> tuple[str, ...]:

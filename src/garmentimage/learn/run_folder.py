@@ -25,7 +25,11 @@ class RunLog:
 
     def __init__(self, folder: Path, lines: list[dict[str, float]], *, is_writer: bool) -> None:
         self.folder, self.lines = folder, lines
-        self._board = _tensorboard(folder) if is_writer else None
+        self._board: Any = None
+        if is_writer:
+            from torch.utils.tensorboard import SummaryWriter
+
+            self._board = SummaryWriter(str(folder / BOARD_FOLDER))
 
     def add(self, line: dict[str, float]) -> None:
         """Append the losses of an epoch."""
@@ -140,9 +144,3 @@ def draw_curves(log: Sequence[Mapping[str, float]], out: Path) -> None:
     file = BytesIO()
     figure.savefig(file, format="png", dpi=110)
     write_atomically(out, file.getvalue())
-
-
-def _tensorboard(folder: Path) -> Any:
-    from torch.utils.tensorboard import SummaryWriter
-
-    return SummaryWriter(str(folder / BOARD_FOLDER))

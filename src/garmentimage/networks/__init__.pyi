@@ -11,17 +11,18 @@ from .pictures import (
     StripFrame as StripFrame,
     animation as animation,
     draped_frame as draped_frame,
+    figure_pixels as figure_pixels,
     side_by_side as side_by_side,
     strip as strip,
 )
 from .runtime import (
     CONFIG_FILE as CONFIG_FILE,
     WEIGHTS_FOLDER as WEIGHTS_FOLDER,
+    OnnxNetwork as OnnxNetwork,
     bundled_names as bundled_names,
     check_contract as check_contract,
     damaged_file as damaged_file,
     network_folder as network_folder,
-    open_session as open_session,
+    read_arrays as read_arrays,
     read_config as read_config,
-    run_session as run_session,
 )

@@ -49,6 +49,8 @@ def decoded_garment(
     return DecodedGarment(z, image, repairs, pattern, tuple(pattern_faults(pattern)))
 
 
-def topology_or_empty(pattern: Pattern) -> str:
-    """The `topology_hash` of a pattern; empty where its structure is invalid."""
-    return "" if structure_faults(pattern) else topology_hash(stitch_graph(pattern))
+def topology_or_empty(pattern: Pattern | None) -> str:
+    """The `topology_hash` of a pattern; empty where there is none, or its structure is invalid."""
+    if pattern is None or structure_faults(pattern):
+        return ""
+    return topology_hash(stitch_graph(pattern))

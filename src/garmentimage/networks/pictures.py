@@ -59,7 +59,6 @@ def draped_frame(title: str, garment: DecodedGarment) -> StripFrame:
 def strip(columns: Sequence[StripFrame]) -> UInt8[np.ndarray, "row col 3"]:
     """Frames side by side, at one scale: pattern, raster, and worn; faults in red."""
     from matplotlib.figure import Figure
-    from PIL import Image
 
     raster = RASTER_IN if any(column.garment.image is not None for column in columns) else 0.0
     width, height = COLUMN_IN * len(columns), TITLE_IN + PATTERN_IN + raster + WORN_IN
@@ -70,20 +69,21 @@ def strip(columns: Sequence[StripFrame]) -> UInt8[np.ndarray, "row col 3"]:
     for number, column in enumerate(columns):
         place = (number / len(columns), 1 / len(columns))
         _draw(figure, column, place, height, height - TITLE_IN - PATTERN_IN, room)
-    raw = picture_bytes(figure, "png", dpi=DPI)
+    return figure_pixels(figure, DPI)
+
+
+def figure_pixels(figure: "Figure", dpi: int) -> UInt8[np.ndarray, "row col 3"]:
+    """A figure as pixels."""
+    from PIL import Image
+
+    raw = picture_bytes(figure, "png", dpi=dpi)
     return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
 
 
 def side_by_side(
-    picture: UInt8[np.ndarray, "row col 3"],
-    columns: UInt8[np.ndarray, "row col 3"],
-) -> UInt8[np.ndarray, "row col 3"]:
-    """A picture to the left of a strip, as wide as a frame, beside the worn garments.
-
-    Args:
-        picture: square.
-        columns: a strip.
-    """
+    picture: UInt8[np.ndarray, "side side 3"], columns: UInt8[np.ndarray, "row col 3"]
+) -> UInt8[np.ndarray, "row col_and_frame 3"]:
+    """A square picture to the left of a strip, as wide as a frame, beside the worn garments."""
     from PIL import Image
 
     rows, side = columns.shape[0], int(COLUMN_IN * DPI)
@@ -97,14 +97,16 @@ def animation(columns: Sequence[StripFrame]) -> bytes:
     """The frames one after another and back again, as an animated GIF."""
     from PIL import Image
 
-    frames = [Image.fromarray(strip([column])) for column in columns]
+    frames = [
+        Image.fromarray(strip([column])).quantize(128, dither=Image.Dither.NONE)
+        for column in columns
+    ]
     frames += frames[-2:0:-1]
     times = [FRAME_MS] * len(frames)
     times[0] = times[len(columns) - 1] = END_FRAME_MS
-    palette = [frame.quantize(128, dither=Image.Dither.NONE) for frame in frames]
     file = io.BytesIO()
-    palette[0].save(
-        file, format="gif", save_all=True, append_images=palette[1:], duration=times, loop=0
+    frames[0].save(
+        file, format="gif", save_all=True, append_images=frames[1:], duration=times, loop=0
     )
     return file.getvalue()
 

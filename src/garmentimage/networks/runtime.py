@@ -2,11 +2,13 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float, Float32
 
 from garmentimage.errors import LearnError, quoted
 from garmentimage.raster import CHANNEL_CONTRACT
@@ -82,43 +84,65 @@ def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
             f"{shown_path(folder)}: holds no trained network (there is no {CONFIG_FILE})"
         ) from None
     except OSError as error:
-        raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
+        raise unreadable(file, error) from None
     except LearnError as error:
         raise LearnError(f"{shown_path(file)}: {error}") from None
     except (ValueError, KeyError, TypeError, RecursionError):
         raise damaged_file(file) from None
 
 
-def open_session(file: Path, sizes: Mapping[str, Sequence[int]]) -> Any:
-    """Open an ONNX file, to run on one core.
+class OnnxNetwork:
+    """An ONNX file with one input and one output, opened at the first call, run on one core.
 
     Args:
         file: ONNX.
-        sizes: shapes of an example by name, of its input, then of its output.
-
-    Raises:
-        LearnError: the file cannot be read, or holds no network of these shapes.
+        sizes: shapes of an example by name, of the input, then of the output.
     """
-    import onnxruntime
 
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = 4
-    try:
-        raw = file.read_bytes()
-        if b"location" in raw:  # the key that names weights in other files, which are refused
-            raise ValueError
-        session = onnxruntime.InferenceSession(raw, options, providers=["CPUExecutionProvider"])
-        takes, gives = session.get_inputs(), session.get_outputs()
-        if [each.name for each in (*takes, *gives)] != list(sizes):
-            raise ValueError
-        if not all(_has_shape(each, sizes[each.name]) for each in (*takes, *gives)):
-            raise ValueError
-        return session
-    except OSError as error:
-        raise LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})") from None
-    except Exception as error:  # onnxruntime's errors have no base class
-        raise damaged_file(file) from error
+    def __init__(self, file: Path, sizes: Mapping[str, Sequence[int]]) -> None:
+        self.file, self.sizes = file, sizes
+
+    @cached_property
+    def _session(self) -> Any:
+        import onnxruntime
+
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = options.inter_op_num_threads = 1
+        options.log_severity_level = 4
+        try:
+            raw = self.file.read_bytes()
+            if b"location" in raw:  # the key that names weights in other files, which are refused
+                raise ValueError
+            session = onnxruntime.InferenceSession(raw, options, providers=["CPUExecutionProvider"])
+            ends = [*session.get_inputs(), *session.get_outputs()]
+            if [each.name for each in ends] != list(self.sizes):
+                raise ValueError
+            if not all(_has_shape(each, self.sizes[each.name]) for each in ends):
+                raise ValueError
+            return session
+        except OSError as error:
+            raise unreadable(self.file, error) from None
+        except Exception as error:  # onnxruntime's errors have no base class
+            raise damaged_file(self.file) from error
+
+    def __call__(self, given: Float[np.ndarray, "n ..."]) -> Float32[np.ndarray, "n ..."]:
+        """Run the network on a batch.
+
+        Raises:
+            LearnError: the file cannot be read or holds no network of these shapes; it fails, or
+                its output has NaN, infinite or huge values.
+        """
+        session = self._session
+        try:
+            (found,) = session.run(None, {next(iter(self.sizes)): np.asarray(given, np.float32)})
+        except Exception as error:  # onnxruntime's errors have no base class
+            raise damaged_file(self.file) from error
+        is_whole = found.shape[:1] == given.shape[:1] and found.ndim == len(
+            session.get_outputs()[0].shape
+        )
+        if not is_whole or not np.abs(found).max(initial=0) < MAX_VALUE:
+            raise damaged_file(self.file)
+        return np.asarray(found)
 
 
 def _has_shape(found: Any, size: Sequence[int]) -> bool:
@@ -132,28 +156,31 @@ def _has_shape(found: Any, size: Sequence[int]) -> bool:
     )
 
 
-def run_session(session: Any, file: Path, given: np.ndarray) -> np.ndarray:
-    """Run a network with one input and one output.
+def read_arrays(file: Path, **kinds: str) -> list[np.ndarray]:
+    """Arrays of an npz file by name.
 
     Args:
-        session: of `open_session`.
-        file: that it was read from, for messages.
-        given: a batch of inputs.
+        file: npz.
+        kinds: `dtype.kind` of each array, such as "f".
 
     Raises:
-        LearnError: it fails, or its output has NaN, infinite or huge values.
+        LearnError: it is missing or damaged.
     """
-    (takes,), (gives,) = session.get_inputs(), session.get_outputs()
     try:
-        (found,) = session.run(None, {takes.name: np.asarray(given, np.float32)})
-    except Exception as error:  # onnxruntime's errors have no base class
+        with np.load(file, allow_pickle=False) as content:
+            found = [content[name] for name in kinds]
+        if [array.dtype.kind for array in found] != list(kinds.values()):
+            raise ValueError
+        return found
+    except Exception as error:  # zipfile, zlib and numpy each have their own
         raise damaged_file(file) from error
-    is_whole = found.shape[:1] == given.shape[:1] and found.ndim == len(gives.shape)
-    if not is_whole or not np.abs(found).max(initial=0) < MAX_VALUE:
-        raise damaged_file(file)
-    return np.asarray(found)
 
 
 def damaged_file(file: Path) -> LearnError:
     """The error for a file of a network that is invalid."""
     return LearnError(f"{shown_path(file)}: is damaged, or none of ours; get it again")
+
+
+def unreadable(file: Path, error: OSError) -> LearnError:
+    """The error for a file that cannot be opened."""
+    return LearnError(f"{shown_path(file)}: cannot be read ({error.strerror})")

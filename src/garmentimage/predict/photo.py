@@ -203,7 +203,9 @@ def frame_photo(photo: Photo, box: Box, size: int) -> Photo:
     wearer, note = find_wearer(photo.pixels)
     notes = (*photo.notes, note) if note else photo.notes
     if wearer is None:
-        return Photo(_resized(_squared(photo.pixels), size), notes)
+        longer = max(rows, cols)
+        corner = -((longer - rows) // 2), -((longer - cols) // 2)
+        return Photo(_cut(photo.pixels, *corner, longer, size), notes)
     where = np.argwhere(wearer)
     (top, left), (bottom, right) = where.min(0), where.max(0) + 1
     # Side of the square in which the wearer is as high as the box.
@@ -214,7 +216,7 @@ def frame_photo(photo: Photo, box: Box, size: int) -> Photo:
     found = np.array([top / rows, bottom / rows, left / cols, right / cols])
     wanted = np.array([box.top, box.bottom, box.left, box.right])
     if rows == cols and np.abs(found - wanted).max() < PLACE_TOLERANCE:
-        return Photo(_resized(cleared, size), notes)
+        return Photo(_cut(cleared, 0, 0, rows, size), notes)
     first_row = top - box.top * side
     first_col = (left + right) / 2 - (box.left + box.right) / 2 * side
     return Photo(_cut(cleared, first_row, first_col, side, size), notes)
@@ -263,21 +265,6 @@ def _border(pixels: UInt8[np.ndarray, "row col 3"]) -> tuple[Float[np.ndarray, "
     border = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]]).astype(float)
     colour = np.median(border, axis=0)
     return colour, float((np.abs(border - colour).max(1) < BACKGROUND_TOLERANCE).mean())
-
-
-def _squared(pixels: UInt8[np.ndarray, "row col 3"]) -> UInt8[np.ndarray, "side side 3"]:
-    rows, cols = pixels.shape[:2]
-    side = max(rows, cols)
-    square = np.full((side, side, 3), WHITE, np.uint8)
-    first_row, first_col = (side - rows) // 2, (side - cols) // 2
-    square[first_row : first_row + rows, first_col : first_col + cols] = pixels
-    return square
-
-
-def _resized(pixels: UInt8[np.ndarray, "side side 3"], size: int) -> UInt8[np.ndarray, "n n 3"]:
-    if len(pixels) == size:
-        return pixels
-    return _cut(pixels, 0, 0, len(pixels), size)
 
 
 def _cut(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, Float32, UInt8
@@ -18,13 +18,13 @@ from jaxtyping import Float, Float32, UInt8
 from garmentimage.networks import (
     CONFIG_FILE,
     DecodedGarment,
+    OnnxNetwork,
     bundled_names,
     damaged_file,
     decoded_garment,
     network_folder,
-    open_session,
+    read_arrays,
     read_config,
-    run_session,
 )
 from garmentimage.predict.photo import EMPTY, Box, Photo, as_photo, frame_photo
 from garmentimage.raster import split_channels
@@ -91,6 +91,9 @@ class PatternPredictor:
             self.box = Box(**self.config["wearer"])
         except (KeyError, TypeError, ValueError):
             raise damaged_file(self.folder / CONFIG_FILE) from None
+        grid = int(self.config["grid"])
+        sizes = {"picture": [3, self.size, self.size], "channels": [34, grid, grid]}
+        self._network = OnnxNetwork(self.folder / PREDICTOR_FILE, sizes)
 
     @classmethod
     def load(cls, name: str | Path = DEFAULT_NETWORK) -> "PatternPredictor":
@@ -135,7 +138,7 @@ class PatternPredictor:
         """Channels of pictures that are framed already (`frame_photo`)."""
         upward = pixels[:, ::-1].transpose(0, 3, 1, 2)
         images = np.ascontiguousarray(upward, np.float32) / 255
-        return run_session(self._network, self.folder / PREDICTOR_FILE, images)
+        return self._network(images)
 
     def likeness(self, pixels: UInt8[np.ndarray, "row col 3"]) -> float:
         """Likeness of a picture to training images, from 0 to 1: exp(-(d / t)^2 / 2).
@@ -144,34 +147,27 @@ class PatternPredictor:
         held-out images exceeds: 1 on the plane, .61 at the threshold. It falls from the start, as
         the distance of a wearer who is turned may still be below the threshold.
         """
-        reference = self._reference
-        distance = plane_distance(thumbnail(pixels), reference["middle"], reference["axes"])
-        return float(np.exp(-((distance / float(reference["usual"])) ** 2) / 2))
+        middle, axes, threshold = self._reference
+        distance = plane_distance(thumbnail(pixels), middle, axes)
+        return float(np.exp(-((distance / float(threshold)) ** 2) / 2))
 
     @cached_property
-    def _network(self) -> Any:
-        grid = int(self.config["grid"])
-        sizes = {"picture": [3, self.size, self.size], "channels": [34, grid, grid]}
-        return open_session(self.folder / PREDICTOR_FILE, sizes)
-
-    @cached_property
-    def _reference(self) -> dict[str, np.ndarray]:
-        """The content of `pictures.npz`."""
-        try:
-            with np.load(self.folder / PICTURES_FILE, allow_pickle=False) as file:
-                reference = {name: file[name].astype(float) for name in ("middle", "axes", "usual")}
-        except Exception as error:  # zipfile, zlib and numpy have their own
-            raise damaged_file(self.folder / PICTURES_FILE) from error
+    def _reference(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Mean and axes of training images, and threshold, from `pictures.npz`."""
+        file = self.folder / PICTURES_FILE
+        content = read_arrays(file, middle="f", axes="f", usual="f")
+        middle, axes, threshold = (each.astype(float) for each in content)
         numbers = 3 * THUMBNAIL_PIXELS**2
+        low, high = OOD_THRESHOLD_LIMITS
         if (
-            reference["middle"].shape != (numbers,)
-            or reference["axes"].shape[1:] != (numbers,)
-            or reference["usual"].shape != ()
-            or not all(np.isfinite(each).all() for each in reference.values())
-            or not OOD_THRESHOLD_LIMITS[0] <= reference["usual"] <= OOD_THRESHOLD_LIMITS[1]
+            middle.shape != (numbers,)
+            or axes.shape[1:] != (numbers,)
+            or threshold.shape != ()
+            or not all(np.isfinite(each).all() for each in (middle, axes))
+            or not low <= threshold <= high
         ):
-            raise damaged_file(self.folder / PICTURES_FILE)
-        return reference
+            raise damaged_file(file)
+        return middle, axes, threshold
 
 
 def certainty(channels: Float32[np.ndarray, "34 row col"]) -> float:

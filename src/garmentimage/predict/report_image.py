@@ -1,14 +1,19 @@
 """A prediction drawn as one image."""
 
-import io
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from garmentimage.networks import ONE_COLOUR, WARNING_COLOUR, WORN_PIXELS, StripFrame
+from garmentimage.networks import (
+    ONE_COLOUR,
+    WARNING_COLOUR,
+    WORN_PIXELS,
+    StripFrame,
+    figure_pixels,
+)
 from garmentimage.predict.predictor import Prediction
-from garmentimage.render import FAINT, INK, NAME_LIMIT, PAPER, picture_bytes, printable
+from garmentimage.render import FAINT, INK, NAME_LIMIT, PAPER, printable
 from garmentimage.render.flat import draw_image, draw_pattern
 from garmentimage.render.worn import photograph
 
@@ -30,7 +35,6 @@ def draw_report(prediction: Prediction, frame: StripFrame) -> UInt8[np.ndarray, 
         frame: its garment, draped.
     """
     from matplotlib.figure import Figure
-    from PIL import Image
 
     garment = prediction.garment
     figure = Figure(figsize=(4 * COLUMN_IN, HEIGHT_IN), facecolor=PAPER)
@@ -70,8 +74,7 @@ def draw_report(prediction: Prediction, frame: StripFrame) -> UInt8[np.ndarray, 
         _draw_picture(photograph(frame.worn, ONE_COLOUR, size=WORN_PIXELS).colour, axes(3))
     if frame.faults:
         _write_fault(frame.faults[0], axes(3))
-    raw = picture_bytes(figure, "png", dpi=DPI)
-    return np.asarray(Image.open(io.BytesIO(raw)).convert("RGB"))
+    return figure_pixels(figure, DPI)
 
 
 def _draw_picture(pixels: UInt8[np.ndarray, "row col 3"], ax: "Axes") -> None:

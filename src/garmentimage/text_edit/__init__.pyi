@@ -18,6 +18,7 @@ from .editor import (
     normalised_text as normalised_text,
     run_edit as run_edit,
     stable_guidance as stable_guidance,
+    strip_columns as strip_columns,
 )
 from .goal import (
     MIN_LENGTH_CHANGE_CM as MIN_LENGTH_CHANGE_CM,
@@ -35,9 +36,6 @@ from .source_prompt import (
     SHORT_SLEEVE_CM as SHORT_SLEEVE_CM,
     WIDE_CM as WIDE_CM,
     edit_prompts as edit_prompts,
-)
-from .strip import (
-    strip_columns as strip_columns,
 )
 from .vocabulary import (
     list_words as list_words,

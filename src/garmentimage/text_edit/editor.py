@@ -15,14 +15,27 @@ from garmentimage.latent import LatentSpace, space_names
 from garmentimage.learn import load_weights
 from garmentimage.learn.models import ImageDecoder
 from garmentimage.metrics import EditedRegion
-from garmentimage.networks import DecodedGarment, Latent, bundled_names, network_folder
+from garmentimage.networks import (
+    DecodedGarment,
+    Latent,
+    StripFrame,
+    bundled_names,
+    draped_frame,
+    network_folder,
+)
 from garmentimage.pattern import Pattern
 from garmentimage.raster import GarmentImage
 from garmentimage.system import shown_path, weights_hash
 from garmentimage.text_edit.attempts import MAX_ATTEMPTS, best_attempt
 from garmentimage.text_edit.goal import keep_mask
 from garmentimage.text_edit.guidance import Guidance, ScoreDistillation, optimise_latent
+from garmentimage.text_edit.pixel_diffusion import DEFAULTS as PIXEL_DEFAULTS, PixelDiffusion
 from garmentimage.text_edit.source_prompt import edit_prompts, nearest_phrase
+from garmentimage.text_edit.stable_diffusion import (
+    DEFAULT_MODEL,
+    DEFAULTS as SD_DEFAULTS,
+    StableDiffusion,
+)
 from garmentimage.text_edit.vocabulary import check_known
 
 DEFAULT_SPACE = "text-edit"
@@ -39,6 +52,8 @@ LEARNING_RATE = 0.1
 DEFAULT_STEPS = 60
 FRAME_COUNT = 6
 """Steps of the optimisation that are kept for the strip, including both ends."""
+MAX_TITLE_LENGTH = 40
+"""Characters of a title in the strip."""
 REPROJECTIONS = 1
 """Times that the result is decoded and encoded again, which moves it nearer to the training data.
 """
@@ -52,7 +67,7 @@ class EditFrame:
     """Steps of the optimisation before it."""
     step: DecodedGarment
     picture: UInt8[np.ndarray, "row col 3"]
-    """Its picture by the picture network."""
+    """By the picture network."""
 
 
 @dataclass(frozen=True)
@@ -139,15 +154,15 @@ class TextEditor:
         start = torch.from_numpy(given.z).float()
         target_prompt, source_prompt = edit_prompts(given.pattern, prompt)
         kept_steps = np.linspace(0, steps, min(FRAME_COUNT, steps + 1)).round().astype(int).tolist()
-        latents: list[dict[int, torch.Tensor]] = []
+        latents: list[dict[int, Tensor]] = []
+
+        def keep(step: int, z: Tensor) -> None:
+            if step in kept_steps:
+                latents[-1][step] = z
+            progress(step, steps)
 
         def attempt(boost: float, region: EditedRegion | None) -> DecodedGarment:
             latents.append({0: start})
-
-            def keep(step: int, z: torch.Tensor) -> None:
-                if step in kept_steps:
-                    latents[-1][step] = z
-                progress(step, steps)
 
             z = run_edit(
                 start,
@@ -176,6 +191,16 @@ class TextEditor:
             colours = self.pictures.draw(torch.from_numpy(np.asarray(z, np.float32))[None])[0]
         upright = (colours.flip(1).permute(1, 2, 0) * 255).round().to(torch.uint8)
         return np.ascontiguousarray(upright.numpy())
+
+
+def strip_columns(edit: TextEdit, text: str) -> list[StripFrame]:
+    """Columns of a strip for `networks.strip`: the source, steps of the edit, the result."""
+    steps = [
+        StripFrame(f"step {each.number}", each.step, None, each.step.faults, each.picture)
+        for each in edit.frames
+    ]
+    title = f"edited: {text}"[:MAX_TITLE_LENGTH]
+    return [draped_frame("as given", edit.source), *steps, draped_frame(title, edit.result)]
 
 
 def run_edit(  # noqa: PLR0913 - the settings of an edit, keyword-only
@@ -245,21 +270,10 @@ def denoiser_guidance(
             the vocabulary.
     """
     check_known(text)
-    from garmentimage.text_edit.pixel_diffusion import (
-        NOISE_SAMPLES,
-        SCALE,
-        SCHEDULE,
-        PixelDiffusion,
-    )
-
     folder = network_folder(
         DEFAULT_DENOISER if name is None else name, denoiser_names(), "denoiser"
     )
-    model = PixelDiffusion(folder)
-    guidance = ScoreDistillation(
-        model,
-        **{"scale": SCALE, "noise_samples": NOISE_SAMPLES, "schedule": SCHEDULE, **options},
-    )
+    guidance = ScoreDistillation(PixelDiffusion(folder), **{**PIXEL_DEFAULTS, **options})
     return guidance, nearest_phrase(text)
 
 
@@ -273,17 +287,8 @@ def stable_guidance(model: str | None, **options: Any) -> ScoreDistillation:
     Raises:
         LearnError: it does not exist or cannot be downloaded, or `diffusers` is not installed.
     """
-    from garmentimage.text_edit.stable_diffusion import (
-        DEFAULT_MODEL,
-        PROMPT_TEMPLATE,
-        SCALE,
-        StableDiffusion,
-    )
-
-    defaults = {"scale": SCALE, "prompt_template": PROMPT_TEMPLATE, "noise_samples": 1}
-    return ScoreDistillation(
-        StableDiffusion(DEFAULT_MODEL if model is None else model), **{**defaults, **options}
-    )
+    diffusion = StableDiffusion(DEFAULT_MODEL if model is None else model)
+    return ScoreDistillation(diffusion, **{**SD_DEFAULTS, **options})
 
 
 def normalised_text(text: str) -> str:

@@ -1,6 +1,7 @@
 """Guidance by the bundled diffusion model, which works on pixels."""
 
 from pathlib import Path
+from typing import Any
 
 import torch
 from jaxtyping import Float
@@ -13,12 +14,8 @@ from garmentimage.learn.models import Denoiser, alpha_sigma
 from garmentimage.system import shown_path
 from garmentimage.text_edit.guidance import NoiseSchedule, Pictures
 
-SCALE = 6.0
-"""Scale of classifier-free guidance."""
-NOISE_SAMPLES = 2
-"""Noise samples for each picture in a step."""
-SCHEDULE = NoiseSchedule(0.9, 0.5)
-"""Much noise, so that legs may become a skirt."""
+DEFAULTS: dict[str, Any] = {"scale": 6.0, "noise_samples": 2, "schedule": NoiseSchedule(0.9, 0.5)}
+"""Of `ScoreDistillation`: much noise, so that legs may become a skirt."""
 
 
 class PixelDiffusion:

@@ -15,8 +15,12 @@ from garmentimage.system import shown_path
 from garmentimage.text_edit.guidance import Pictures
 
 DEFAULT_MODEL = "stable-diffusion-v1-5/stable-diffusion-v1-5"
-SCALE, PROMPT_TEMPLATE = 30.0, "a photo of a person wearing {}, plain white background"
-"""Scale of classifier-free guidance, and the prompt around a text."""
+DEFAULTS: dict[str, Any] = {
+    "scale": 30.0,
+    "prompt_template": "a photo of a person wearing {}, plain white background",
+    "noise_samples": 1,
+}
+"""Of `ScoreDistillation`."""
 HUB_ID = re.compile(r"\w[\w.-]*/\w[\w.-]*")
 PREDICTION_TYPES = "epsilon", "v_prediction"
 """Parametrisations of the denoiser: the noise, or v = alpha noise - sigma picture (Salimans and Ho
@@ -39,14 +43,11 @@ class StableDiffusion:
     """
 
     def __init__(self, model: str = DEFAULT_MODEL, device: str | None = None) -> None:
-        chosen = device or ("cuda" if torch.cuda.is_available() else "cpu")
-        self.device = torch.device(chosen)
-        kind = torch.float32 if self.device.type == "cpu" else torch.float16
-        pipe = _pipeline(model)
-        self.pipe: Any = pipe.to(self.device, kind)
+        self.device = torch.device(device or ("cuda" if torch.cuda.is_available() else "cpu"))
+        self.kind = torch.float32 if self.device.type == "cpu" else torch.float16
+        self.pipe: Any = _pipeline(model).to(self.device, self.kind)
         for part in (self.pipe.vae, self.pipe.unet, self.pipe.text_encoder):
             part.requires_grad_(False).eval()
-        self.kind = kind
         try:
             self._try_out()
         except LearnError as error:
@@ -64,10 +65,11 @@ class StableDiffusion:
     @torch.no_grad()
     def _try_out(self) -> None:
         """Run every part once, so that incompatible parts are found before the work."""
-        if self.pipe.scheduler.config.prediction_type not in PREDICTION_TYPES:
+        predicted = self.pipe.scheduler.config.prediction_type
+        if predicted not in PREDICTION_TYPES:
             raise LearnError(
-                f"predicts {self.pipe.scheduler.config.prediction_type}, not "
-                f"{' or '.join(PREDICTION_TYPES)}; download {DEFAULT_MODEL} and give its folder"
+                f"predicts {predicted}, not {' or '.join(PREDICTION_TYPES)}; download "
+                f"{DEFAULT_MODEL} and give its folder"
             )
         self.alpha_bar = self.pipe.scheduler.alphas_cumprod.to(self.device)
         times = torch.full((1,), 0.5)
