@@ -48,7 +48,8 @@ def test_new_garments_are_sewn_at_the_waist_and_decode_as_they_are(joined):
     _, found, new = joined
     channels = output_channels(ground_truth_logits(found.rasters)).numpy()
     steps = [
-        decoded_garment(np.zeros(0), channels[k], "full") for k in torch.where(new)[0][:24].tolist()
+        decoded_garment(np.zeros(0, np.float32), channels[k], "full")
+        for k in torch.where(new)[0][:24].tolist()
     ]
     for step in steps:
         names = {panel.name for panel in step.pattern.panels}
@@ -90,13 +91,18 @@ def test_the_seam_is_found_in_the_map_of_panels_and_pictures_are_cut_along_it():
     assert (waist_rows(np.zeros((64, 64), np.uint8)) == 39).all()
 
 
+def without_rasters(pictures, cloth, waist) -> ImagedGarments:
+    inside, types = (torch.zeros(len(cloth), k, 16, 16, dtype=torch.int8) for k in (2, 4))
+    vectors = torch.zeros(len(cloth), 16, 16, 16)
+    return ImagedGarments(pictures, cloth, waist, inside, types, vectors)
+
+
 def test_repainted_cloth_keeps_its_folds():
     torch.manual_seed(0)
     grey = (255 * torch.rand(20, 1, 16, 16)).to(torch.uint8).expand(-1, 3, -1, -1)
-    empty = torch.zeros(20, 2, 16, 16)
     cloth = torch.ones(20, 16, 16, dtype=torch.bool)
     waist = torch.full((20, 16), 9, dtype=torch.int16)
-    batch = ImagedGarments(grey, cloth, waist, empty, empty, empty)
+    batch = without_rasters(grey, cloth, waist)
     found = recolour_cloth(batch, torch.zeros(20, dtype=torch.bool), 1.0)
     assert found.min() >= 0 and found.max() <= 1
     order = grey.flatten(2).argsort(2)
@@ -110,10 +116,9 @@ def test_new_garments_have_cloth_of_two_colours_and_others_of_one():
     grey = torch.full((40, 3, 128, 128), 150, dtype=torch.uint8)
     cloth = torch.zeros(40, 128, 128, dtype=torch.bool)
     cloth[:, 20:110, 40:90] = True
-    empty = torch.zeros(40, 2, 16, 16)
     line = 77
     waist = torch.full((40, 128), line, dtype=torch.int16)
-    batch = ImagedGarments(grey, cloth, waist, empty, empty, empty)
+    batch = without_rasters(grey, cloth, waist)
     new = torch.arange(40) < 20
     found = recolour_cloth(batch, new, 1.0)
     assert torch.equal(found[:, :, :20], batch.images()[:, :, :20])  # skin and page stay
