@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.shape_checks import check_annotations, set_checks
 
-# They take about half as long again where a test is all small Python calls; 0 leaves them out.
+# They take up to half as long again where a test is all small Python calls; 0 leaves them out.
 if os.environ.get("GARMENTIMAGE_SHAPE_CHECKS", "1") != "0":
     check_annotations()
 
