@@ -133,7 +133,7 @@ class PatternPredictor:
         return Prediction(photo, channels, garment, confidence)
 
     def channels(
-        self, pixels: UInt8[np.ndarray, "n row col 3"]
+        self, pixels: UInt8[np.ndarray, "n pixel_row pixel_col 3"]
     ) -> Float32[np.ndarray, "n 34 row col"]:
         """Channels of pictures that are framed already (`frame_photo`)."""
         upward = pixels[:, ::-1].transpose(0, 3, 1, 2)
