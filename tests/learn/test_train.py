@@ -125,8 +125,8 @@ def test_an_accelerator_that_is_not_there_leaves_no_run(data, tmp_path):
 @pytest.mark.slow
 def test_a_loss_that_is_no_number_is_told(data, tmp_path):
     known = read_rasters(data, "train").rasters
-    known.vectors[0, 0, 8, 8] = float("nan")
-    known.inside[0, 0, 8, 8] = 1
+    known.vectors[:, 0, 8, 8] = float("nan")
+    known.inside[:, 0, 8, 8] = 1
     with pytest.raises(LearnError, match="the loss is NaN or infinite in epoch 1"):
         train(GarmentVAE(TINY), known, known, folder=tmp_path, settings=SHORT, facts={})
 
