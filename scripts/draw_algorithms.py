@@ -50,7 +50,7 @@ CORRIDOR = 5.0
 DPI = 130
 PIXELS = 420
 """Rows of a photograph."""
-FREE_FRAMES = 22
+FREE_FRAMES = 8
 """Frames after which the drape is photographed on its way."""
 RED = "#cc2222"
 FULL = (-5.0, 5.0)
@@ -154,7 +154,7 @@ def encode_pictures(folder: Path) -> None:
     drawing = canonical(drawing_of(layout, frame))
     routed = route(with_links(drawing.drawing), FINE, CORRIDOR).paths
     paths = drawing.restore(list(routed[: len(drawing.drawing.arcs)]))
-    figure, axes = two_layers(f"4. Routing on a lattice {FINE} times as fine: no two paths touch")
+    figure, axes = two_layers(f"4. Routing on a lattice {FINE} times as fine: paths meet only in nodes")
     for layer, ax in enumerate(axes):
         board(ax)
         fine = [np.asarray(path, float) / FINE for path in paths]
