@@ -31,7 +31,7 @@ from mutations import MUTATIONS, Expected
 from provenance import data_hash, provenance
 
 from garmentimage.compare.comparison import compare_patterns
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 from garmentimage.draft.sampling import sample
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.errors import GarmentImageError

@@ -20,7 +20,7 @@ from typing import Any
 from provenance import provenance
 from tqdm import tqdm
 
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.metrics.roundtrip import roundtrip_many, summarise, summary_table
 from garmentimage.pattern.files.spec import save_pattern

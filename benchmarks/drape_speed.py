@@ -35,7 +35,7 @@ from provenance import provenance
 from garmentimage.body.body import Body, load_body
 from garmentimage.body.body_measurements import measurements
 from garmentimage.body.stance import stand_straight
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 from garmentimage.draft.sampling import drafted
 from garmentimage.drape import draping as wear
 from garmentimage.drape.draped_garment import DrapedGarment

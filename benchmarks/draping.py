@@ -22,7 +22,7 @@ import numpy as np
 from provenance import provenance
 from tqdm import tqdm
 
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 from garmentimage.draft.sampling import sample
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.errors import GarmentImageError

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from provenance import provenance
 
-from garmentimage.draft.kinds import KINDS, draft_pattern
+from garmentimage.draft.kind import KINDS, draft_pattern
 from garmentimage.drape.draped_garment import DrapedGarment
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.examples import example_names, example_path

@@ -8,7 +8,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 import garmentimage as gi
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.errors import GarmentImageError
 

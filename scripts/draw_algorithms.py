@@ -154,7 +154,9 @@ def encode_pictures(folder: Path) -> None:
     drawing = canonical(drawing_of(layout, frame))
     routed = route(with_links(drawing.drawing), FINE, CORRIDOR).paths
     paths = drawing.restore(list(routed[: len(drawing.drawing.arcs)]))
-    figure, axes = two_layers(f"4. Routing on a lattice {FINE} times as fine: paths meet only in nodes")
+    figure, axes = two_layers(
+        f"4. Routing on a lattice {FINE} times as fine: paths meet only in nodes"
+    )
     for layer, ax in enumerate(axes):
         board(ax)
         fine = [np.asarray(path, float) / FINE for path in paths]

@@ -138,6 +138,19 @@ def test_every_public_name_is_there():
     assert all(hasattr(garmentimage, name) for name in garmentimage.__all__)
 
 
+def test_no_public_name_is_that_of_a_module_beside_it():
+    """Else the package's attribute depends on what was imported, and the docs show the module."""
+    for stub in SOURCE.rglob("__init__.pyi"):
+        modules = {path.stem for path in stub.parent.iterdir()} - {"__init__"}
+        names = {
+            alias.asname or alias.name
+            for node in ast.parse(stub.read_text(encoding="utf-8")).body
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }
+        assert not names & modules, stub
+
+
 def test_importing_loads_nothing_heavy():
     code = f"import sys, garmentimage; print([m for m in {HEAVY!r} if m in sys.modules])"
     assert run_python(code).strip() == "[]"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from garmentimage import decode, encode
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.drape.mesh.meshing import mesh
 from garmentimage.drape.solver.solver import SolverSettings

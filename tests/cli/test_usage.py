@@ -11,7 +11,7 @@ import pytest
 
 from garmentimage.cli import drape_and_render, draping, train
 from garmentimage.cli.app import VERBS, command_line, main
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 from garmentimage.drape.fabric import FABRICS
 from garmentimage.drape.mesh.meshing import DEFAULT_VERTICES
 from garmentimage.render.worn.camera import VIEWS

@@ -11,7 +11,7 @@ from PIL import Image
 from garmentimage.dataset.recipe import load_recipe, recipe_names
 from garmentimage.dataset.row import FailedRow, RowTask, make_row
 from garmentimage.dataset.vocabulary import captions
-from garmentimage.draft.kinds import KINDS, draft_pattern
+from garmentimage.draft.kind import KINDS, draft_pattern
 from garmentimage.draft.sampling import sample
 from garmentimage.pattern.files.spec import pattern_from_spec
 from garmentimage.raster.encode.encoder import encode

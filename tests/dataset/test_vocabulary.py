@@ -15,7 +15,7 @@ from garmentimage.dataset.vocabulary import (
     phrases,
     random_prompt,
 )
-from garmentimage.draft.kinds import KINDS as DRAFTED
+from garmentimage.draft.kind import KINDS as DRAFTED
 from garmentimage.draft.sampling import sample
 
 

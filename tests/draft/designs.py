@@ -3,7 +3,7 @@
 from hypothesis import strategies as st
 
 from garmentimage.body.body_measurements import presets
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 
 BODIES = tuple(presets())
 FLAT = {"cap_fullness": 1.0, "cuff_fullness": 1.0, "skirt_fullness": 1.0}

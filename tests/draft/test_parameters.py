@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 from garmentimage.body.body_measurements import measurements
-from garmentimage.draft.kinds import DEFAULT_BODY, draft_pattern
+from garmentimage.draft.kind import DEFAULT_BODY, draft_pattern
 from garmentimage.draft.parameters import checked_values, choice, parameter, parameters_of
 from garmentimage.errors import DraftError, GarmentImageError
 

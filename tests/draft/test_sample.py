@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 
 from garmentimage import DraftError
 from garmentimage.body.body_measurements import measurements, presets
-from garmentimage.draft.kinds import KINDS, Kind
+from garmentimage.draft.kind import KINDS, Kind
 from garmentimage.draft.parameters import Parameter
 from garmentimage.draft.sampling import at_level, drafted, drawn_value, sample
 from garmentimage.draft.templates.template import Template

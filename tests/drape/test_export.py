@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from garmentimage.body.body import load_body
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.drape.draped_garment import DrapedGarment, DrapeReport
 from garmentimage.drape.files.export import obj_text, ply_bytes, save_drape
 from garmentimage.drape.files.glb import UV_CM, glb_bytes, load_drape, mesh_names, read_glb

@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from garmentimage.body.body import load_body
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.drape.components import garment_items
 from garmentimage.drape.draping import check_drape, drape_pattern
 from garmentimage.drape.mesh.meshing import mesh

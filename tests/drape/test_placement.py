@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 from garmentimage.body.body import load_body
 from garmentimage.body.body_measurements import presets
 from garmentimage.body.measure import measure
-from garmentimage.draft.kinds import draft_pattern, kinds
+from garmentimage.draft.kind import draft_pattern, kinds
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.drape.girths import chest_level, trunk_girth, waist_height
 from garmentimage.drape.start.placement import BAND_ABOVE, CROTCH_ROOM, EASE, ON_HIPS, place_on_body

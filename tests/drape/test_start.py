@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from garmentimage import draft_pattern, load_pattern
 from garmentimage.body.body import POSES, load_body
 from garmentimage.body.body_measurements import presets
-from garmentimage.draft.kinds import kinds
+from garmentimage.draft.kind import kinds
 from garmentimage.drape.components import garment_items
 from garmentimage.drape.draping import check_drape, drape_pattern
 from garmentimage.drape.mesh.meshing import mesh

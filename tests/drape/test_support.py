@@ -10,7 +10,7 @@ import pytest
 from garmentimage.body.body import load_body
 from garmentimage.body.body_measurements import BodyMeasurements, presets
 from garmentimage.cli.app import main
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.drape.components import garment_items
 from garmentimage.drape.draping import check_drape, drape_pattern
 from garmentimage.drape.girths import waist_height

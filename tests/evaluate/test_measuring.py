@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.evaluate.codecs import PlainCodec
 from garmentimage.evaluate.edit_triplets import EDITS, sample_triplets
 from garmentimage.evaluate.garment import (

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from garmentimage.cli.app import main
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.evaluate.prompts import ALREADY_TRUE, PROMPTS, is_applicable
 from garmentimage.metrics.preserved import preserved_iou
 from garmentimage.metrics.shape_attributes import measure_shape

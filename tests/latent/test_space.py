@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 
 from garmentimage.compare import match_panels, pattern_faults, stitch_graph
 from garmentimage.compare.topology import topology_hash
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.draft.sampling import sample
 from garmentimage.errors import DatasetError, LearnError
 from garmentimage.examples import example_path

@@ -8,7 +8,7 @@ import torch
 from scipy.spatial.distance import cdist
 
 from garmentimage.compare import pattern_faults
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.errors import DecodeError
 from garmentimage.evaluate.garment import panel_overlap, same_graph
 from garmentimage.learn.data.slot_outputs import SlotOutputs, pattern_from

@@ -7,7 +7,7 @@ import pytest
 
 from garmentimage.compare.matching import POSES
 from garmentimage.compare.pairing import posed_panel
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.errors import PatternError
 from garmentimage.examples import example_path
 from garmentimage.metrics.published import (

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import garmentimage as gi
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.draft.sampling import sample
 from garmentimage.metrics.shape_attributes import measure_shape
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from garmentimage.compare.comparison import compare_patterns
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.drape.draping import drape_pattern
 from garmentimage.pattern.dissolve import without_stubs
 from garmentimage.pattern.model import Notch, Side

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.pattern.checks.sewable import check_pattern
 from garmentimage.pattern.model import Side
 from garmentimage.pattern.seam_runs import STUB_CM, sewn_runs, stubs

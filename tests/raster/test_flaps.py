@@ -7,7 +7,7 @@ import pytest
 
 from garmentimage.compare import stitch_graph
 from garmentimage.compare.topology import topology_hash
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.errors import DecodeError
 from garmentimage.raster.decode.decoder import decode
 from garmentimage.raster.encode.encoder import encode

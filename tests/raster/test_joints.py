@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 from garmentimage import decode, encode, load_pattern
 from garmentimage.compare.comparison import compare_patterns
-from garmentimage.draft.kinds import draft_pattern, kinds
+from garmentimage.draft.kind import draft_pattern, kinds
 from garmentimage.examples import example_names, example_path
 from garmentimage.geometry.curves import Bezier, Line
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves

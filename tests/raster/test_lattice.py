@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 
 from garmentimage import EncodeError
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
 from garmentimage.raster.encode.deform import deform_quad_mesh

@@ -11,7 +11,7 @@ from garmentimage import EncodeError, GarmentImageError, decode, encode, load_pa
 from garmentimage.compare.comparison import compare_patterns
 from garmentimage.compare.likely import surely_same
 from garmentimage.compare.stitch_graphs import stitch_graph
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.examples import example_path
 from garmentimage.geometry.curves import Bezier, Line
 from garmentimage.geometry.polygons import polyline_length

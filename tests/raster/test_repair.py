@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, reject, settings, strategies as st
 
 from garmentimage.cli.app import main
-from garmentimage.draft.kinds import KINDS
+from garmentimage.draft.kind import KINDS
 from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.errors import EncodeError, ImageError
 from garmentimage.raster.channel_kind import CHANNEL_KINDS

@@ -2,7 +2,7 @@
 
 import pytest
 
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.metrics.shape_attributes import measure_shape
 from garmentimage.text_edit.attempts import GUIDANCE_BOOSTS, MAX_ATTEMPTS, best_attempt
 from garmentimage.text_edit.goal import EditGoal, parse_goal

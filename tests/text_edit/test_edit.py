@@ -11,7 +11,7 @@ from PIL import Image
 
 import garmentimage as gi
 from garmentimage.cli.app import main
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.errors import LearnError
 from garmentimage.latent.space import SYMMETRY_TOLERANCE_CM
 from garmentimage.raster.image import mirrored_channels

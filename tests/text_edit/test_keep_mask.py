@@ -5,7 +5,7 @@ import pytest
 import torch
 
 import garmentimage as gi
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.text_edit.editor import run_edit
 from garmentimage.text_edit.goal import keep_mask
 from garmentimage.text_edit.guidance import optimise_latent

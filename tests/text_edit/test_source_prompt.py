@@ -2,7 +2,7 @@
 
 import pytest
 
-from garmentimage.draft.kinds import draft_pattern
+from garmentimage.draft.kind import draft_pattern
 from garmentimage.text_edit.source_prompt import edit_prompts, nearest_phrase
 
 pytestmark = pytest.mark.slow  # the sentence encoder loads for some seconds

@@ -1,4 +1,4 @@
-from .kinds import (
+from .kind import (
     KINDS as KINDS,
     Kind as Kind,
     draft_pattern as draft_pattern,

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from garmentimage.body import BodyMeasurements, measurements, presets
-from garmentimage.draft.kinds import DEFAULT_BODY, Kind, find_kind
+from garmentimage.draft.kind import DEFAULT_BODY, Kind, find_kind
 from garmentimage.draft.parameters import Parameter, Value, checked_values
 from garmentimage.draft.templates import Template, as_json
 from garmentimage.errors import DraftError, PatternError, quoted

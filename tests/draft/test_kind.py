@@ -14,7 +14,7 @@ from garmentimage.body.body_measurements import measurements, presets
 from garmentimage.compare.comparison import compare_patterns
 from garmentimage.compare.validation import pattern_faults
 from garmentimage.draft.garments import MAKERS
-from garmentimage.draft.kinds import DEFAULT_BODY, KINDS, PARTS, draft_pattern
+from garmentimage.draft.kind import DEFAULT_BODY, KINDS, PARTS, draft_pattern
 from garmentimage.draft.panel import FACINGS
 from garmentimage.draft.parameters import parameters_of
 from garmentimage.errors import DraftError
