@@ -74,7 +74,8 @@ def main() -> int:
     summary = summarise(reports)
     print(summary_table(summary))
     failures = {
-        r.file: r.with_marks.message or "; ".join(r.with_marks.reasons)
+        r.file: r.with_marks.message
+        or "; ".join(r.with_marks.result.reasons if r.with_marks.result else ())
         for r in reports
         if not r.with_marks.success
     }

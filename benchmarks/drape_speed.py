@@ -22,6 +22,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -116,9 +117,9 @@ def arguments() -> argparse.Namespace:
 def chosen(paths: list[Path]) -> list[Pattern]:
     if paths:
         return [load_pattern(path) for path in paths]
-    bundled = [load_pattern(example_path(name)).renamed(name) for name in example_names()]
+    bundled = [replace(load_pattern(example_path(name)), name=name) for name in example_names()]
     wearer = measurements(BODY)
-    return bundled + [drafted(k, wearer, 0.5).renamed(n) for n, k in KINDS.items()]
+    return bundled + [replace(drafted(k, wearer, 0.5), name=n) for n, k in KINDS.items()]
 
 
 # --- Times ---------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ import statistics
 import sys
 import time
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +55,8 @@ def pattern_of(task: Task) -> Pattern:
     if isinstance(task.source, Path):
         return read_pattern(task.source)[0]
     kind, seed, index = task.source
-    return next(sample(kind, 1, seed, body=task.body, first=index)).pattern.renamed(task.name)
+    pattern = next(sample(kind, 1, seed, body=task.body, first=index)).pattern
+    return replace(pattern, name=task.name)
 
 
 def run(task: Task) -> dict[str, Any]:

@@ -268,8 +268,16 @@ def outlines(
 ) -> list[Float[np.ndarray, "_ 2"]]:
     """Boundary loops of a mesh, the longest first."""
     border = half_edges(cells, image.edge_type[layer])
-    loops = [points[border.start[loop]] for loop in border.loops]
-    return sorted(loops, key=lambda loop: -len(loop))
+    following = border.following.tolist()
+    unseen = {k for k, after in enumerate(following) if after >= 0}
+    found = []
+    while unseen:
+        chain = [min(unseen)]
+        while following[chain[-1]] != chain[0]:
+            chain.append(following[chain[-1]])
+        unseen -= set(chain)
+        found.append(points[border.start[chain]])
+    return sorted(found, key=lambda loop: -len(loop))
 
 
 def channel_pictures(folder: Path) -> None:

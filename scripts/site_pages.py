@@ -166,8 +166,8 @@ def constants(module: str) -> dict[str, Constant]:
         values = [node.value]
         if isinstance(targets[0], ast.Tuple):
             targets = targets[0].elts
-            whole = isinstance(node.value, ast.Tuple)
-            values = node.value.elts if whole else [node.value] * len(targets)
+            value = node.value
+            values = value.elts if isinstance(value, ast.Tuple) else [value] * len(targets)
         text = ""
         if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
             text = " ".join(str(after.value.value).split())
