@@ -2,6 +2,7 @@
 
 import ast
 import contextlib
+import doctest
 import importlib
 import inspect
 import io
@@ -350,6 +351,16 @@ def test_files_of_the_code_that_a_page_names_exist(page):
     new = {"src/garmentimage/draft/parts/cape.py"}  # of an example
     missing = [f for f in named if not (SOURCE / f).is_file() and not (ROOT / f).is_file()]
     assert not set(missing) - new
+
+
+EXAMPLES = [f for f in sorted(SOURCE.rglob("*.py")) if ">>> " in f.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=page_name)
+def test_examples_in_docstrings_hold(file):
+    name = ".".join(file.relative_to(SOURCE.parent).with_suffix("").parts)
+    result = doctest.testmod(importlib.import_module(name))
+    assert result.attempted and not result.failed
 
 
 def test_the_mark_in_the_formats_has_every_field():

@@ -118,7 +118,7 @@ def _check_target(path: str | os.PathLike[str], target: Path) -> None:
 def safe_name(name: str, taken: Collection[str] = ()) -> str:
     """A portable file name (without ending) for any text, distinct from all of `taken`.
 
-    Letters, digits, "-" and "_" stay; the rest becomes "_". Names that differ only in case or in
+    Letters, digits, `-` and `_` stay; the rest becomes `_`. Names that differ only in case or in
     the spelling of accents count as the same, as they do on common disks.
 
     Example:

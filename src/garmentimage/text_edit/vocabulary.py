@@ -41,7 +41,7 @@ def split_words(text: str) -> Words:
     """Split the words of a text into those of the vocabulary and others.
 
     Example:
-        >>> words_of("make it a longer dress with pockets")
+        >>> split_words("make it a longer dress with pockets")
         Words(known=('longer', 'dress'), unknown=('pockets',))
     """
     known: dict[str, None] = {}
