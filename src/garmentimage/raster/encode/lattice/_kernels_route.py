@@ -201,7 +201,7 @@ def reroute(order, chosen, net, traffic, price, routes, search, found):
         _count_use(arc, net, traffic, routes, -1)
         tail, head = net.node_xy[net.tail[arc]], net.node_xy[net.head[arc]]
         start, goal = tail[1] * width + tail[0], head[1] * width + head[0]
-        # Without a path, or with one that winds without end, the drawing is given up.
+        # Without a path, or with one that winds without end, the drawing fails.
         count = _shortest(start, goal, arc, net, traffic, price, search, found)
         if count < 2 or count > routes.vertices.shape[1]:
             return False
