@@ -244,7 +244,7 @@ def index_page() -> str:
 
 def _first_sentence(text: str) -> str:
     paragraph = " ".join(text.split("\n\n")[0].split())
-    return re.split(r"(?<=[.])\s", paragraph)[0].replace("|", "\\|")
+    return re.split(r"(?<=[.])\s(?=[A-Z])", paragraph)[0].replace("|", "\\|")
 
 
 def file_page() -> str:
@@ -252,13 +252,11 @@ def file_page() -> str:
     lines = [
         "# Files",
         "",
-        "Every file of the code and what it holds, in its own first sentence; packages in the",
-        "order of the alphabet, not of the [floor plan](floor-plan.md).",
+        "Every file of the code and what it holds, in its own first sentence. Packages are in",
+        "alphabetical order; the [floor plan](floor-plan.md) has the order of the data flow.",
         "",
     ]
-    for package in sorted(
-        p.parent for p in (SOURCE / PACKAGE).rglob("__init__.py") if "examples" not in p.parts
-    ):
+    for package in sorted(p.parent for p in (SOURCE / PACKAGE).rglob("__init__.py")):
         name = ".".join(package.relative_to(SOURCE).parts)
         files = [f for f in sorted(package.glob("*.py")) if not f.stem.startswith("__")]
         lines += [f"## `{name}`", "", _first_sentence(_docstring(package / "__init__.py")), ""]

@@ -1,4 +1,4 @@
-"""A quick look at two patterns: whether one is surely the other, names and all."""
+"""A fast sufficient test that two patterns are equal, names of panels included."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The topology of a garment in one word: where two words are equal, garments are sewn alike."""
+"""The topology of a garment as a string: equal strings mean garments that are sewn alike."""
 
 import hashlib
 from collections import Counter, defaultdict

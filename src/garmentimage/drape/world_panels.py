@@ -1,4 +1,4 @@
-"""Panels in the world: what a pattern says about a garment before it is cloth.
+"""Panels in 3D before they are meshed: outlines, openings, sides of the wearer.
 
 Words of this file:
 

@@ -1,4 +1,4 @@
-"""What can be trained: for each network its data, how it is built, and how it is saved."""
+"""The training tasks: for each network its data, how it is built, and how it is saved."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""Stubs dissolved: the edges beside a leftover edge of a millimetre meet."""
+"""Stubs dissolved: the edges beside a leftover edge of up to 2 mm are made to meet."""
 
 from collections.abc import Container
 from dataclasses import replace

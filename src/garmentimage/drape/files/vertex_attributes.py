@@ -1,4 +1,4 @@
-"""Which edge and which seam the corners of a cloth lie on, and its normals across seams."""
+"""Edge and seam of each vertex of a cloth, and normals that are smooth across seams."""
 
 import numpy as np
 from jaxtyping import Float, Int

@@ -1,4 +1,4 @@
-"""Landmarks of the wearer, and sides of panels, that decide where cloth begins."""
+"""Landmarks of the body, and left and right sides of panels, for starting positions."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""Whether a buyer would accept a drape: skin that shows, cloth through cloth, what slid."""
+"""Faults of a drape: skin that shows, limbs beside their openings, cloth that slid or is tight."""
 
 import lazy_loader
 

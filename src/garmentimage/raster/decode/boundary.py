@@ -1,4 +1,4 @@
-"""Boundaries of decoded panels: half-edges with their stitch partners, split panels joined, seams.
+"""Boundaries of decoded panels as half-edges: directed grid edges, each with its stitch partner.
 
 Every half-edge of the image is numbered through. Loops are walked with the cloth on the left *as
 seen from outside the body*: front layers as the raster shows them, back layers, which the raster

@@ -1,4 +1,4 @@
-"""Unit stitches regrouped: boundary loops cut into edges, each sewn to one edge or to none."""
+"""Boundary loops cut into edges, each sewn to one edge or to none, and their stitches."""
 
 from collections.abc import Sequence, Set
 from dataclasses import dataclass

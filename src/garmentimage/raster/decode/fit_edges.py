@@ -1,4 +1,4 @@
-"""Boundaries as edges: parts of split panels joined, runs refitted to curves that do not cross."""
+"""Runs of grid edges as lines and curves that do not cross; parts of split panels joined."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

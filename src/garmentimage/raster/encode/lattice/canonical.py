@@ -1,4 +1,4 @@
-"""A canonical numbering of a drawing, so that order, direction and handedness cannot matter.
+"""A canonical numbering of nodes and arcs: file order, edge direction and mirroring have no effect.
 
 Arcs and nodes are numbered by where they lie and arcs run upwards; a garment that is not
 symmetric is mirrored to the side that its arcs lean to. What is drawn is mirrored back afterwards,

@@ -1,4 +1,4 @@
-"""Samples of the arcs, and the panels round which they run, brought together on the body.
+"""Points sampled along arcs, and panels brought together on the body before the layout.
 
 Every arc carries the same number of samples, spread by arc length and shared by its two sides, so
 seams are coincident whatever the lengths of their sides, and nothing jumps when a length changes.
