@@ -108,7 +108,7 @@ class WornPictures:
 
 def wear(name: str, folder: Path) -> WornPictures:
     """Drape a bundled pattern, save it and photograph it."""
-    worn = gi.drape_pattern(gi.load_pattern(example_path(name)))
+    worn = gi.drape_pattern(gi.load_pattern(example_path(name)), "auto")  # the body that it fits
     gi.save_drape(folder / f"{name}.glb", worn)
     cut = int(SIDE_SHARE * PICTURE)
     front, back = (

@@ -112,9 +112,9 @@ def test_a_restless_background_is_told():
 
 def test_an_empty_picture_is_told_and_so_is_a_speck():
     page = np.full((100, 100, 3), 200, np.uint8)
-    assert find_wearer(page) == (None, "shows nothing before its background")
+    assert find_wearer(page) == (None, "shows nothing in front of its background")
     page[50, 50] = 0
-    assert find_wearer(page) == (None, "shows nothing before its background")
+    assert find_wearer(page) == (None, "shows nothing in front of its background")
 
 
 @pytest.mark.parametrize("blur", [0, 1])

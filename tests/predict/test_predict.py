@@ -52,11 +52,15 @@ def picture(album, number) -> np.ndarray:
     return np.ascontiguousarray(upward.transpose(1, 2, 0)[::-1])
 
 
-def test_a_picture_of_nothing_has_no_confidence(made):
+def test_a_picture_of_nothing_is_an_error_and_gives_no_files(made, tmp_path, capsys):
     folder, _ = made
-    found = PatternPredictor.load(folder).predict(np.full((128, 128, 3), 255, np.uint8))
-    assert found.confidence == 0 and not found.is_sure
-    assert found.photo.notes == ("shows nothing before its background",)
+    with pytest.raises(LearnError, match="the picture shows nothing in front of its background"):
+        PatternPredictor.load(folder).predict(np.full((128, 128, 3), 255, np.uint8))
+    page, out = tmp_path / "page.png", tmp_path / "out"
+    Image.new("RGB", (128, 128), "white").save(page)
+    assert main(["predict", str(page), "-o", str(out), "--network", str(folder)]) == 2
+    assert "page.png: shows nothing in front of its background" in capsys.readouterr().err
+    assert not out.exists() or not list(out.iterdir())
 
 
 def test_a_picture_of_few_pixels_is_told_to_be(made):
@@ -158,7 +162,9 @@ def test_nothing_of_an_earlier_picture_of_the_same_name_stays(made, tmp_path):
     out.mkdir()
     for suffix in (".json", ".glb"):
         (out / f"photo{suffix}").write_text("of an earlier picture")
-    Image.new("RGB", (128, 128), "white").save(tmp_path / "photo.png")
+    wearer = np.full((128, 128, 3), 255, np.uint8)
+    wearer[20:110, 50:80] = 90
+    Image.fromarray(wearer).save(tmp_path / "photo.png")
     words = ["predict", str(tmp_path / "photo.png"), "-o", str(out), "--network", str(folder)]
     assert main(words) == 0
     for suffix in (".json", ".glb"):

@@ -12,7 +12,7 @@ from garmentimage.pattern.files.spec import read_pattern
 from garmentimage.pattern.model import Pattern
 from garmentimage.raster.encode.layout.relax import one_sided_forces
 from garmentimage.raster.encode.layout.seam_graph import build_seam_graph
-from garmentimage.raster.encode.layout.solve import FIRST, MAX_ARCS, layouts
+from garmentimage.raster.encode.layout.solve import FIRST, MAX_ARCS, _largest_part, layouts
 from garmentimage.raster.encode.placement import place
 from tests.corpus import corpus_sample
 from tests.garments import designs, garment, garments
@@ -168,6 +168,25 @@ def test_layouts_come_lazily_and_every_step_is_drawn_once():
     stages = [layout.stage for layout in drawn]
     assert stages[0] == FIRST
     assert len(set(stages)) == len(stages)
+
+
+def test_a_garment_laid_out_as_on_paper_is_drawn_in_one_step_only():
+    """Freer steps once took up to twenty seconds before the layout on paper was named."""
+    graph = build_seam_graph(place(tube()))
+    assert len(list(layouts(graph, lambda: False))) == 1
+    assert len(list(layouts(graph))) > 1
+
+
+def test_a_panel_whose_crossings_cannot_be_found_folds_over_itself(monkeypatch):
+    """GEOS gives up on some tangles, by chance: an error of its own once left `encode`."""
+
+    def fails(_):
+        raise shapely.GEOSException("Iterated noding failed to converge")
+
+    monkeypatch.setattr(shapely, "node", fails)
+    bow_tie = shapely.Polygon([(0, 0), (10, 10), (10, 0), (0, 10)])
+    part, folded = _largest_part(bow_tie)
+    assert part.is_empty and folded == np.inf
 
 
 def test_more_edges_than_any_grid_has_room_for_are_refused():

@@ -44,7 +44,7 @@ WHITE, WHITE_16_BIT = 255, 65535
 MIN_RESOLUTION = 0.75
 """A note is made where the wearer has less than this share of the network's pixels."""
 CLUTTERED = "has no plain background, so its wearer could not be found; expect little"
-EMPTY = "shows nothing before its background"
+EMPTY = "shows nothing in front of its background"
 CROWDED = "shows more than one figure; the largest was taken"
 
 

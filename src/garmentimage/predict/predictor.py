@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, Float32, UInt8
 
+from garmentimage.errors import LearnError
 from garmentimage.networks import (
     CONFIG_FILE,
     DecodedGarment,
@@ -29,6 +30,7 @@ from garmentimage.networks import (
 from garmentimage.predict.photo import EMPTY, Box, Photo, as_photo, frame_photo
 from garmentimage.raster import split_channels
 from garmentimage.raster.repair import RepairLevel
+from garmentimage.system import shown_path
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -57,7 +59,7 @@ class Prediction:
     """Repaired, decoded and checked; it has no latent vector."""
     confidence: float
     """From 0 to 1: certainty of flags and edge types (`certainty`), times the likeness of the
-    picture to training images (`PatternPredictor.likeness`); 0 where the picture shows nothing."""
+    picture to training images (`PatternPredictor.likeness`)."""
 
     @property
     def doubts(self) -> Float[np.ndarray, "layer row col"]:
@@ -122,14 +124,19 @@ class PatternPredictor:
             repair_level: how much of the network's output is repaired.
 
         Raises:
-            LearnError: the picture cannot be read, or has an invalid size (see `read_photo`).
+            LearnError: the picture cannot be read, has an invalid size (see `read_photo`), or shows
+                nothing.
             TypeError: it, or its pixels, are of another type.
         """
         photo = frame_photo(as_photo(picture), self.box, self.size)
+        if EMPTY in photo.notes:
+            file = (
+                f"{shown_path(picture)}:" if isinstance(picture, str | PathLike) else "the picture"
+            )
+            raise LearnError(f"{file} {EMPTY}; give one of someone in a garment, from the front")
         channels = self.channels(photo.pixels[None])[0]
         garment = decoded_garment(np.zeros(0, np.float32), channels, repair_level)
-        is_empty = EMPTY in photo.notes
-        confidence = 0.0 if is_empty else certainty(channels) * self.likeness(photo.pixels)
+        confidence = certainty(channels) * self.likeness(photo.pixels)
         return Prediction(photo, channels, garment, confidence)
 
     def channels(

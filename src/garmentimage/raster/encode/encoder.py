@@ -17,7 +17,7 @@ from garmentimage.pattern.checks import unknown_place
 from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
 from garmentimage.raster.encode.layout import Layout, SeamGraph, build_seam_graph, layouts
 from garmentimage.raster.encode.placement import Placed, place
-from garmentimage.raster.encode.proof import Bows, disproof
+from garmentimage.raster.encode.proof import Bows, Disproof, disproof
 from garmentimage.raster.encode.rasterize import rasterize
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import GarmentImage
@@ -81,7 +81,9 @@ def _encoded(pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bo
             raise EncodeError("all its panels face the body", remedy="pattern")
         pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
         placed = place(pattern)
-    candidates = _CachedLayouts(layouts(build_seam_graph(placed)))
+    candidates = _CachedLayouts(
+        layouts(build_seam_graph(placed), lambda: unknown_place(pattern) is None)
+    )
     expected = stitch_graph(pattern) if verify else None
     try:
         return _encode(pattern, expected, candidates, frame or BodyFrame.standard(grid))
@@ -144,46 +146,54 @@ def _encode(
     """
     first: EncodeError | None = None
     for layout, attempts in trials(candidates):
-        drawn: list[list[Path]] = []
+        drawn: list[tuple[list[Path], Disproof | None]] = []
         for paths in drawings(layout, frame, attempts):
             try:
                 if isinstance(paths, EncodeError):
                     raise paths
                 image = rasterize(pattern, layout.graph, paths, frame)
-                drawn.append(paths)
-                reason = lost_shape(layout.graph, paths)
+                reason, found = lost_shape(layout.graph, paths), None
                 if not reason and expected is not None:
-                    reason = disproof(pattern, expected, image).reason
+                    found = disproof(pattern, expected, image)
+                    reason = found.reason
                 if not reason:
                     return image
+                drawn.append((paths, found))
                 raise EncodeError(reason)
             except EncodeError as error:
                 first = first or error
         if expected is None:
             continue
-        for paths in drawn:
-            found = _bowed_image(pattern, expected, layout.graph, paths, frame)
-            if found is not None:
-                return found
+        for paths, found in drawn:
+            bowed = _bowed_image(pattern, expected, layout.graph, paths, frame, found)
+            if bowed is not None:
+                return bowed
     raise first or EncodeError("the pattern has no layout")
 
 
 def _bowed_image(
-    pattern: Pattern, expected: StitchGraph, graph: SeamGraph, paths: list[Path], frame: BodyFrame
+    pattern: Pattern,
+    expected: StitchGraph,
+    graph: SeamGraph,
+    paths: list[Path],
+    frame: BodyFrame,
+    found: Disproof | None,
 ) -> GarmentImage | None:
     """The image of a drawing whose bends are bowed until it decodes to the pattern, if it does.
 
     Where an edge has too few grid edges, the chords between its points are shorter than it is.
     Points farther off its chord make up for that: seams keep their lengths, panels lose a little
-    of their shape.
+    of their shape. `found` is what the drawing lost without bows, where that is known already.
     """
     bows: Bows = {}
     for _ in range(MAX_BOW_ROUNDS):
-        image = rasterize(pattern, graph, paths, frame, bows)
-        found = disproof(pattern, expected, image)
-        if not found.reason:
-            return image
+        if found is None:
+            image = rasterize(pattern, graph, paths, frame, bows)
+            found = disproof(pattern, expected, image)
+            if not found.reason:
+                return image
         if not found.bows:
             return None
         bows |= {side: bows.get(side, 1.0) * bow for side, bow in found.bows.items()}
+        found = None
     return None

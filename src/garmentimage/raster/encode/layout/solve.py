@@ -9,7 +9,7 @@ A cascade of drawings, from the plainest to the freest; nearly every garment is 
 first. Each step is a fixed computation: no search, no randomness, and no choice by file order.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -90,11 +90,16 @@ class _Step:
     """Panels that forget their shape."""
 
 
-def layouts(graph: SeamGraph) -> Iterator[Layout]:
+def layouts(graph: SeamGraph, is_placed: Callable[[], bool] = lambda: True) -> Iterator[Layout]:
     """Layouts of a garment, computed one by one.
 
     First those without fold or overlap, in the order of the cascade; then the others, those with
     the fewest problems first.
+
+    Args:
+        graph: the garment.
+        is_placed: whether its panels stand round a body; asked after the first step. Without, as
+            where they lie flat side by side, the freer steps are left out, which would take long.
 
     Raises:
         EncodeError: more edges than any grid has room for.
@@ -111,7 +116,9 @@ def layouts(graph: SeamGraph) -> Iterator[Layout]:
     solver = _LayoutSolver(graph)
     faulty: list[Layout] = []
     at_fault: set[int] = set()
-    for step in _cascade(graph, at_fault):
+    for number, step in enumerate(_cascade(graph, at_fault)):
+        if number == 1 and not is_placed():
+            break
         layout, found = solver.draw(step)
         at_fault |= found if step.stage == FIRST else set()
         if layout.problems:
@@ -259,7 +266,10 @@ def _largest_part(shape: "shapely.Polygon") -> tuple["shapely.Geometry", float]:
     if shape.is_valid:
         return shape, 0.0
     # Far quicker on tangles than make_valid, which can take minutes.
-    faces = shapely.get_parts(shapely.polygonize([shapely.node(shape.exterior)]))
+    try:
+        faces = shapely.get_parts(shapely.polygonize([shapely.node(shape.exterior)]))
+    except shapely.GEOSException:  # on some tangles its search for crossings does not converge
+        return shapely.Polygon(), np.inf
     if not len(faces):
         return shapely.Polygon(), np.inf
     areas = shapely.area(faces)
