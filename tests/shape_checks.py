@@ -87,7 +87,7 @@ def _with_known_annotations(function: Callable[..., Any]) -> Callable[..., Any]:
         one.__annotations__ = {name: hint}
         try:
             found = get_type_hints(one, function.__globals__, include_extras=True)[name]
-        except Exception:  # noqa: BLE001 - whatever evaluating a string may raise
+        except NameError:
             found = Any
         same.__annotations__[name] = found
     return same
