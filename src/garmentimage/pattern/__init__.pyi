@@ -31,6 +31,10 @@ from .placement import (
     FRONTAL as FRONTAL,
     floor_shift as floor_shift,
 )
+from .turned import (
+    fold_over as fold_over,
+    lay_open as lay_open,
+)
 from .seam_runs import (
     STUB_CM as STUB_CM,
     SeamRun as SeamRun,

@@ -44,11 +44,16 @@ def to_authors(image: GarmentImage) -> Float64[np.ndarray, "34 x y"]:
     """The image as the authors store it.
 
     Raises:
-        ImageError: the image does not have two layers.
+        ImageError: the image does not have two layers, or contract 1 does not hold it.
     """
     if image.layers != 2:
         raise ImageError(
             f"the authors' .npy holds two layers, this image has {image.layers}; save it as .npz"
+        )
+    if image.contract != 1:
+        raise ImageError(
+            "the authors' .npy has no place for panels that wrap round or are turned; save it as "
+            ".npz"
         )
     moved = image.deformation.astype(np.float64) / AUTHORS_CELL_CM - _REST[:, :, None, None]
     moved = np.where(image.inside[:, None, None], moved, 0.0)[:, _VECTORS]
@@ -79,14 +84,14 @@ def detect_channel_order(array: np.ndarray) -> ChannelOrder:
     Raises:
         ImageError: neither order fits (logits, say), or both do.
     """
-    count = array.shape[0]
-    _, types, vectors = split_channels(array)
+    may_be_theirs = array.shape[0] == 2 * CHANNELS_PER_LAYER
+    _, types, vectors, _ = split_channels(array)
     # The authors' types stand where our vectors do.
-    other = vectors.reshape(types.shape)
+    other = vectors.reshape(types.shape) if may_be_theirs else types
     ours = theirs = False
     for are_shares in (_are_shares, are_channels):
         ours = are_shares(types)
-        theirs = count == 2 * CHANNELS_PER_LAYER and are_shares(other)
+        theirs = may_be_theirs and are_shares(other)
         if ours != theirs:
             return ChannelOrder.OURS if ours else ChannelOrder.AUTHORS
         if ours:
@@ -95,6 +100,6 @@ def detect_channel_order(array: np.ndarray) -> ChannelOrder:
     raise ImageError(f"{fits}; say which it is, order 'garmentimage' or 'authors' (--order)")
 
 
-def _are_shares(groups: Float[np.ndarray, "layer 2 4 row col"]) -> bool:
+def _are_shares(groups: Float[np.ndarray, "layer 2 type row col"]) -> bool:
     near_one = np.abs(groups.sum(axis=2) - 1) <= SHARE_TOL
     return bool(near_one.all() and groups.min() >= -SHARE_TOL and groups.max() <= 1 + SHARE_TOL)

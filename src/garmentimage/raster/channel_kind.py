@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.errors import ImageError
+from garmentimage.raster.channels import ChannelParts
 
 ChannelKind = Literal["shares", "logits", "channels"]
 CHANNEL_KINDS: tuple[ChannelKind, ...] = get_args(ChannelKind)
@@ -26,9 +27,7 @@ nothing draws that of logits to 1."""
 
 
 def resolve_channel_kind(
-    flags: Float[np.ndarray, "layer row col"],
-    types: Float[np.ndarray, "layer 2 4 row col"],
-    kind: ChannelKind | None,
+    parts: ChannelParts[np.ndarray], kind: ChannelKind | None
 ) -> ChannelKind:
     """The given kind; or what numbers are, judged by all of them, so that no outlier decides.
 
@@ -39,22 +38,29 @@ def resolve_channel_kind(
         if kind not in CHANNEL_KINDS:
             raise ImageError(f"no kind of channels {kind!r}; there are {', '.join(CHANNEL_KINDS)}")
         return kind
-    if is_binary(flags, types):
+    if is_binary(parts):
         return "channels"
-    numbers = np.concatenate([flags.ravel(), types.ravel()])
+    numbers = _decided(parts)
     beyond = np.maximum(-numbers, numbers - 1)
     if (beyond > SHARE_SLACK).mean() <= MAX_OUTLIERS:
         return "shares"
-    return "channels" if are_channels(types) else "logits"
+    return "channels" if are_channels(parts.types) else "logits"
 
 
-def are_channels(types: Float[np.ndarray, "layer 2 4 row col"]) -> bool:
+def are_channels(types: Float[np.ndarray, "layer 2 type row col"]) -> bool:
     """Whether numbers of edge types are one-hot but for the errors of a network."""
     beyond = np.maximum(-types, types - 1)
     is_near_one = np.median(np.abs(types.sum(axis=2) - 1)) < MAX_SUM_ERROR
     return bool(is_near_one and (beyond > CHANNEL_SLACK).mean() <= MAX_CHANNEL_OUTLIERS)
 
 
-def is_binary(flags: np.ndarray, types: np.ndarray) -> bool:
-    """Whether all numbers are 0 or 1, so that there is nothing to guess."""
-    return all(bool(((each == 0) | (each == 1)).all()) for each in (flags, types))
+def is_binary(parts: ChannelParts[np.ndarray]) -> bool:
+    """Whether all flags and types are 0 or 1, so that there is nothing to guess."""
+    numbers = _decided(parts)
+    return bool(((numbers == 0) | (numbers == 1)).all())
+
+
+def _decided(parts: ChannelParts[np.ndarray]) -> Float[np.ndarray, " number"]:
+    """All numbers that stand for decisions: those of flags and types."""
+    decided = (parts.flags, parts.types, parts.turned)
+    return np.concatenate([each.ravel() for each in decided if each is not None])

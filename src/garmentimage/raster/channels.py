@@ -1,26 +1,27 @@
-"""The 17 channels of a layer: the one place that knows which of them is what.
+"""The channels of a layer: the one place that knows which of them is what.
 
-    0       inside flag
-    1-4     type of the bottom grid edge, one-hot in the order of `EdgeType`
-    5-8     type of the left grid edge, likewise
-    9-16    (dx, dy) of the bottom, right, top and left edge vector [cm]
+    contract 1   contract 2
+    0            0            inside flag
+                 1            turned flag: the wrong side of the cloth is out
+    1-4          2-9          type of the bottom grid edge, one-hot in the order of `EdgeType`
+    5-8          10-17        type of the left grid edge, likewise
+    9-16         18-25        (dx, dy) of the bottom, right, top and left edge vector [cm]
 
-Layers follow each other, the front first. Numbers of flags and types may also be probabilities or
-logits, as networks give them; nothing here looks at values but `check_channels`.
+Layers follow each other, the front first. Contract 1 has the first four edge types; contract 2 has
+room for eight, of which the last three are reserved: they are written as 0 and not read. Numbers of
+flags and types may also be probabilities or logits, as networks give them; nothing here looks at
+values but `check_channels`.
 """
 
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float64, Integer
 
 from garmentimage.errors import ImageError
 
-EDGE_TYPE_COUNT = 4
-VECTOR_COUNT = 4
-CHANNELS_PER_LAYER = 1 + 2 * EDGE_TYPE_COUNT + 2 * VECTOR_COUNT
-CHANNEL_CONTRACT = "garmentimage-1"
-"""What channels mean: their order and units, and the frame. Networks are made for one of these."""
+VECTOR_COUNT = 4  # edge vectors of a cell
 
 MIN_GRID, MAX_GRID = 4, 256  # smallest and largest grid that files may have
 MAX_LAYERS = 16
@@ -28,36 +29,93 @@ MAX_LAYERS = 16
 Array = TypeVar("Array")  # a numpy array or a torch tensor
 
 
-def split_channels(channels: Array) -> tuple[Array, Array, Array]:
+@dataclass(frozen=True)
+class ChannelContract:
+    """What channels mean: their order and units. Networks are made for one contract."""
+
+    name: str
+    flag_count: int
+    edge_type_count: int
+
+    @property
+    def channels_per_layer(self) -> int:
+        """Channels of one layer."""
+        return self.flag_count + 2 * self.edge_type_count + 2 * VECTOR_COUNT
+
+
+CONTRACT_1 = ChannelContract("garmentimage-1", 1, 4)
+CONTRACT_2 = ChannelContract("garmentimage-2", 2, 8)
+CONTRACTS = {1: CONTRACT_1, 2: CONTRACT_2}
+Contract = Literal[1, 2]
+
+CHANNELS_PER_LAYER = CONTRACT_1.channels_per_layer
+EDGE_TYPE_COUNT = CONTRACT_1.edge_type_count
+CHANNEL_CONTRACT = CONTRACT_1.name
+
+
+class ChannelParts(NamedTuple, Generic[Array]):
+    """What the channels of an image, or of several, hold."""
+
+    flags: Array
+    """[..., layer, row, col]."""
+    types: Array
+    """[..., layer, 2, type, row, col], of the bottom and the left grid edge."""
+    vectors: Array
+    """[..., layer, 4, 2, row, col]."""
+    turned: Array | None
+    """[..., layer, row, col]; None in contract 1."""
+
+
+def contract_of(channel_count: int) -> ChannelContract:
+    """The contract of so many channels in all; up to 16 layers no number fits both.
+
+    Raises:
+        ImageError: neither.
+    """
+    for contract in CONTRACTS.values():
+        layers, rest = divmod(channel_count, contract.channels_per_layer)
+        if not rest and 1 <= layers <= MAX_LAYERS:
+            return contract
+    each = " or ".join(str(contract.channels_per_layer) for contract in CONTRACTS.values())
+    two = " or ".join(str(2 * contract.channels_per_layer) for contract in CONTRACTS.values())
+    raise ImageError(f"{channel_count} channels; each layer has {each} ({two} for two)")
+
+
+def split_channels(channels: Array) -> ChannelParts[Array]:
     """Flags, edge types and edge vectors of images; views where the memory allows.
 
     Args:
-        channels: [..., 17 L, row, col], an array or a tensor.
+        channels: [..., 17 L or 26 L, row, col], an array or a tensor.
 
-    Returns:
-        Flags [..., L, row, col]; types [..., L, 2, 4, row, col], of the bottom and the left grid
-        edge; vectors [..., L, 4, 2, row, col].
+    Raises:
+        ImageError: neither contract has so many channels.
     """
     array: Any = channels
     *images, depth, rows, cols = array.shape
-    layers = depth // CHANNELS_PER_LAYER
-    block = array.reshape(*images, layers, CHANNELS_PER_LAYER, rows, cols)
-    first_vector = 1 + 2 * EDGE_TYPE_COUNT
-    types = block[..., 1:first_vector, :, :]
+    contract = contract_of(depth)
+    layers = depth // contract.channels_per_layer
+    block = array.reshape(*images, layers, contract.channels_per_layer, rows, cols)
+    first_type = contract.flag_count
+    first_vector = first_type + 2 * contract.edge_type_count
+    types = block[..., first_type:first_vector, :, :]
     vectors = block[..., first_vector:, :, :]
-    return (
+    return ChannelParts(
         block[..., 0, :, :],
-        types.reshape(*images, layers, 2, EDGE_TYPE_COUNT, rows, cols),
+        types.reshape(*images, layers, 2, contract.edge_type_count, rows, cols),
         vectors.reshape(*images, layers, VECTOR_COUNT, 2, rows, cols),
+        block[..., 1, :, :] if contract.flag_count > 1 else None,
     )
 
 
-def join_channels(flags: Array, types: Array, vectors: Array) -> Array:
-    """Channels [..., 17 L, row, col] from what `split_channels` gives; a new array or tensor."""
+def join_channels(
+    flags: Array, types: Array, vectors: Array, turned: Array | None = None
+) -> Array:
+    """Channels from what `split_channels` gives, of contract 2 with `turned`; a new array."""
     *images, layers, rows, cols = flags.shape  # type: ignore[attr-defined]
     parts = [
         part.reshape(*images, layers, -1, rows, cols)  # type: ignore[attr-defined]
-        for part in (flags, types, vectors)
+        for part in (flags, turned, types, vectors)
+        if part is not None
     ]
     joined: Any
     if isinstance(flags, np.ndarray):
@@ -66,24 +124,24 @@ def join_channels(flags: Array, types: Array, vectors: Array) -> Array:
         from torch import cat
 
         joined = cat(parts, dim=-3)
-    return joined.reshape(*images, layers * CHANNELS_PER_LAYER, rows, cols)  # type: ignore[no-any-return]
+    return joined.reshape(*images, layers * joined.shape[-3], rows, cols)  # type: ignore[no-any-return]
 
 
 def one_hot(
-    edge_type: Integer[np.ndarray, "*n row col"],
-) -> Bool[np.ndarray, "*n 4 row col"]:
-    """Which of the four types each grid edge has."""
-    is_type: Bool[np.ndarray, "*n 4 row col"] = (
-        edge_type[..., None, :, :] == np.arange(EDGE_TYPE_COUNT)[:, None, None]
+    edge_type: Integer[np.ndarray, "*n row col"], count: int = EDGE_TYPE_COUNT
+) -> Bool[np.ndarray, "*n type row col"]:
+    """Which of the first `count` types each grid edge has."""
+    is_type: Bool[np.ndarray, "*n type row col"] = (
+        edge_type[..., None, :, :] == np.arange(count)[:, None, None]
     )
     return is_type
 
 
 def check_channels(array: Any) -> Float64[np.ndarray, "channel row col"]:
-    """`array` as float64 [17 L, N, N].
+    """`array` as float64 [17 L or 26 L, N, N].
 
     Args:
-        array: [17 L, N, N] or [L, 17, N, N], any real type.
+        array: [17 L, N, N] or [L, 17, N, N], or so with 26, any real type.
 
     Raises:
         ImageError: a wrong shape, or values that are not finite.
@@ -94,13 +152,13 @@ def check_channels(array: Any) -> Float64[np.ndarray, "channel row col"]:
         raise ImageError(
             f"channels are not an array of numbers ({error}); load_image(path) reads a file"
         ) from None
-    if array.ndim == 4 and array.shape[1] == CHANNELS_PER_LAYER:  # as rows of a dataset have it
+    sizes = [contract.channels_per_layer for contract in CONTRACTS.values()]
+    if array.ndim == 4 and array.shape[1] in sizes:  # as rows of a dataset have it
         array = array.reshape(-1, *array.shape[2:])
     if array.ndim != 3 or array.shape[1] != array.shape[2]:
         raise ImageError(f"channels have shape {array.shape}; wanted [17 x layers, N, N]")
-    count, grid = array.shape[0], array.shape[1]
-    if count == 0 or count % CHANNELS_PER_LAYER or count > MAX_LAYERS * CHANNELS_PER_LAYER:
-        raise ImageError(f"{count} channels; each layer has {CHANNELS_PER_LAYER} (34 for two)")
+    contract_of(array.shape[0])
+    grid = array.shape[1]
     if not MIN_GRID <= grid <= MAX_GRID:
         raise ImageError(f"a grid of {grid} cells; wanted {MIN_GRID} to {MAX_GRID}")
     if not (np.abs(array) <= np.finfo(np.float32).max).all():

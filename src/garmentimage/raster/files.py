@@ -1,9 +1,10 @@
 """GarmentImages on disk: our `.npz`, the authors' `.npy`, and bare channels as `.npy`.
 
-An `.npz` holds five plain arrays: `inside` bool, `edge_type` int8 and `deformation` float32 as in
+An `.npz` holds plain arrays: `inside` bool, `edge_type` int8 and `deformation` float32 as in
 `GarmentImage`, `columns` and `rows` float64 (the grid lines on the body, cm), and `meta`, UTF-8
 JSON as bytes: format, version, name, layer names, panel marks, and for the reader's information
-the cell size and origin.
+the cell size and origin. Images that need channel contract 2 are files of version 2, which have
+one array more, `turned` bool; all others are files of version 1.
 """
 
 import json
@@ -21,7 +22,13 @@ from garmentimage.raster.authors_layout import (
     to_authors,
 )
 from garmentimage.raster.channel_kind import ChannelKind
-from garmentimage.raster.channels import MAX_GRID, MAX_LAYERS, MIN_GRID, check_channels
+from garmentimage.raster.channels import (
+    CONTRACT_1,
+    MAX_GRID,
+    MAX_LAYERS,
+    MIN_GRID,
+    check_channels,
+)
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType, GarmentImage
 from garmentimage.raster.panel_marks import mark_from_json, mark_to_json, read_text
@@ -39,11 +46,12 @@ from garmentimage.system import (
 )
 
 FORMAT = "garmentimage"
-VERSION = 1
+VERSION = 2
 MAX_FILE_BYTES = 160 * 2**20
 """Largest file that is read: 16 layers of 256 x 256 cells in float64 fit."""
 MAX_META_BYTES = 4 * 2**20  # largest `meta` [bytes]
 _ARRAYS = ("meta", "inside", "edge_type", "deformation", "columns", "rows")
+_ADDED = ("turned",)  # arrays that files of version 2 have
 
 
 def save_image(image: GarmentImage, path: str | Path) -> None:
@@ -51,7 +59,7 @@ def save_image(image: GarmentImage, path: str | Path) -> None:
 
     Raises:
         OutputError: the name ends otherwise, or the file cannot be written.
-        ImageError: a `.npy` of an image that has not two layers.
+        ImageError: a `.npy` of an image that has not two layers, or that contract 1 does not hold.
         TypeError: it is not a GarmentImage.
     """
     check_type(image, GarmentImage, "encode(pattern) makes one")
@@ -73,7 +81,7 @@ def image_bytes(image: GarmentImage) -> bytes:
     columns, rows = np.array(image.frame.columns), np.array(image.frame.rows)
     meta = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": image.contract,
         "name": image.name,
         "layer_names": list(image.layer_names),
         "cell_size_cm": [float(np.median(np.diff(columns))), float(np.median(np.diff(rows)))],
@@ -88,6 +96,8 @@ def image_bytes(image: GarmentImage) -> bytes:
         "columns": columns,
         "rows": rows,
     }
+    if image.contract == 2:
+        arrays["turned"] = np.asarray(image.turned, np.bool_)
     return npz_bytes(arrays)
 
 
@@ -114,12 +124,12 @@ def load_image(
             image = GarmentImage.from_channels(_channels(data, order), kind=kind)
             return replace(image, name=path.stem)
         if data.startswith(ZIP_MAGIC):
-            return _from_arrays(parse_npz(data, _ARRAYS), path.stem)
+            return _from_arrays(parse_npz(data, _ARRAYS, _ADDED), path.stem)
         raise ImageError("not an .npz or .npy file; `garmentimage encode` turns a pattern into one")
 
 
 def load_channels(path: str | Path, *, order: ChannelOrder | str | None = None) -> np.ndarray:
-    """Channels [17 L, N, N] in our order from any image file; soft values stay soft.
+    """Channels [17 L or 26 L, N, N] in our order from any image file; soft values stay soft.
 
     Arguments and errors are those of `load_image`.
     """
@@ -158,8 +168,11 @@ def _from_arrays(arrays: dict[str, np.ndarray], stem: str) -> GarmentImage:
     meta = _meta(arrays["meta"])
     inside, edge_type, deformation = (arrays[k] for k in ("inside", "edge_type", "deformation"))
     layers, grid = _size(inside)
+    version = meta["version"]
+    turned = _turned(arrays, version)
     for name, array, shape, kinds in (
         ("inside", inside, (layers, grid, grid), "b"),
+        ("turned", inside if turned is None else turned, (layers, grid, grid), "b"),
         ("edge_type", edge_type, (layers, 2, grid, grid), "iu"),
         ("deformation", deformation, (layers, 4, 2, grid, grid), "f"),
         ("columns", arrays["columns"], (grid + 1,), "f"),
@@ -169,8 +182,9 @@ def _from_arrays(arrays: dict[str, np.ndarray], stem: str) -> GarmentImage:
             raise ImageError(f"array {name!r} is {array.dtype} {array.shape}, wanted {shape}")
         if array.dtype.kind == "f" and not (np.abs(array) <= np.finfo(np.float32).max).all():
             raise ImageError(f"array {name!r} holds values that are not finite")
-    if edge_type.min() < 0 or edge_type.max() >= len(EdgeType):
-        raise ImageError(f"array 'edge_type' holds values outside 0..{len(EdgeType) - 1}")
+    type_count = CONTRACT_1.edge_type_count if version == 1 else len(EdgeType)
+    if edge_type.min() < 0 or edge_type.max() >= type_count:
+        raise ImageError(f"array 'edge_type' holds values outside 0..{type_count - 1}")
     for name in ("columns", "rows"):
         if not (np.diff(arrays[name]) > 0).all():
             raise ImageError(f"the grid lines in {name!r} do not increase")
@@ -189,7 +203,16 @@ def _from_arrays(arrays: dict[str, np.ndarray], stem: str) -> GarmentImage:
         layer_names=tuple(read_text(n) for n in names),
         marks=tuple(mark_from_json(mark, layers, grid) for mark in marks),
         name=read_text(meta.get("name", "")) or stem,
+        turned=None if turned is None else turned & inside,
     )
+
+
+def _turned(arrays: dict[str, np.ndarray], version: int) -> np.ndarray | None:
+    if version == 1:
+        return None
+    if "turned" not in arrays:
+        raise ImageError("not a GarmentImage of version 2, the array 'turned' is missing")
+    return arrays["turned"]
 
 
 def _size(inside: np.ndarray) -> tuple[int, int]:

@@ -14,7 +14,15 @@ from jaxtyping import Bool, Float32, Int8
 from garmentimage.errors import ImageError
 from garmentimage.pattern import Point, Vector
 from garmentimage.raster.channel_kind import ChannelKind, resolve_channel_kind
-from garmentimage.raster.channels import check_channels, join_channels, one_hot, split_channels
+from garmentimage.raster.channels import (
+    CONTRACT_1,
+    CONTRACTS,
+    Contract,
+    check_channels,
+    join_channels,
+    one_hot,
+    split_channels,
+)
 from garmentimage.raster.frame import BodyFrame
 
 
@@ -29,6 +37,8 @@ class EdgeType(IntEnum):
     """Sewn to the grid edge at the same place of the opposite layer."""
     SIDE_BY_SIDE = 3
     """Sewn to the neighbouring cell of the same layer."""
+    WRAP = 4
+    """No seam: the cloth goes on, round the body, at the same place of the opposite layer."""
 
 
 BOTTOM, LEFT = 0, 1
@@ -78,12 +88,19 @@ class GarmentImage:
     layer_names: tuple[str, ...] = ("front", "back")
     marks: tuple[PanelMark, ...] = ()
     name: str = field(default="", compare=False)
+    turned: Bool[np.ndarray, "layer row col"] = None  # type: ignore[assignment]
+    """The wrong side of the cloth is out, as drawn: a collar or lapel laid open. Default: nowhere.
+    False outside."""
 
     def __post_init__(self) -> None:
         layers = len(self.inside)
         grid = self.frame.grid
-        shapes = (self.inside.shape, self.edge_type.shape, self.deformation.shape)
-        wanted = ((layers, grid, grid), (layers, 2, grid, grid), (layers, 4, 2, grid, grid))
+        if self.turned is None:
+            object.__setattr__(self, "turned", np.zeros_like(self.inside))
+        arrays = (self.inside, self.turned, self.edge_type, self.deformation)
+        shapes = tuple(array.shape for array in arrays)
+        flag = (layers, grid, grid)
+        wanted = (flag, flag, (layers, 2, grid, grid), (layers, 4, 2, grid, grid))
         if shapes != wanted:
             raise ImageError(f"arrays have shapes {shapes}; a {grid} x {grid} image needs {wanted}")
         if len(self.layer_names) != layers:
@@ -119,6 +136,7 @@ class GarmentImage:
         """Equal in flags, edge types and deformation, whatever the metadata."""
         return (
             np.array_equal(self.inside, other.inside)
+            and np.array_equal(self.turned, other.turned)
             and np.array_equal(self.edge_type, other.edge_type)
             and np.array_equal(self.deformation, other.deformation)
         )
@@ -127,13 +145,46 @@ class GarmentImage:
         """The same image with all that is not in the channels forgotten."""
         return replace(self, marks=(), name="", frame=BodyFrame.standard(self.grid))
 
-    def to_channels(self) -> Float32[np.ndarray, "channel row col"]:
-        """The network's view: 17 channels a layer, front first.
+    @property
+    def contract(self) -> Contract:
+        """The smallest channel contract that holds the image: 1 where nothing wraps or is turned."""
+        plain = self.edge_type.max(initial=0) < CONTRACT_1.edge_type_count
+        return 1 if plain and not self.turned.any() else 2
 
-        Inside flag; bottom edge one-hot (NON_BOUNDARY, NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE);
-        left edge one-hot, same order; (dx, dy) of bottom, right, top, left edge vectors [cm].
+    def cut_at_wraps(self) -> "GarmentImage":
+        """The image with a seam wherever cloth wraps round: such panels are two, front and back.
+
+        It is how contract 1 has them.
         """
-        joined = join_channels(self.inside, one_hot(self.edge_type), self.deformation)
+        wraps = self.edge_type == EdgeType.WRAP
+        types = np.where(wraps, EdgeType.FRONT_TO_BACK, self.edge_type).astype(np.int8)
+        return replace(self, edge_type=types)
+
+    def to_channels(self, contract: Contract | None = None) -> Float32[np.ndarray, "channel row col"]:
+        """The network's view: 17 channels a layer in contract 1, 26 in contract 2, front first.
+
+        Inside flag; in contract 2, turned flag; bottom edge one-hot (in the order of `EdgeType`);
+        left edge one-hot, same order; (dx, dy) of bottom, right, top, left edge vectors [cm].
+
+        Args:
+            contract: which of the two; default: `GarmentImage.contract`. Choose 2 for arrays that
+                must be alike in shape, whatever the garments.
+
+        Raises:
+            ImageError: contract 1 does not hold the image, or there is no such contract.
+        """
+        chosen = self.contract if contract is None else contract
+        if chosen not in CONTRACTS:
+            raise ImageError(f"no channel contract {chosen!r}; there are 1 and 2")
+        if chosen < self.contract:
+            what = "panels that are turned" if self.turned.any() else "panels that wrap round"
+            raise ImageError(
+                f"contract 1 has no channels for {what}; choose contract 2"
+                + ("" if self.turned.any() else ", or cut them first: image.cut_at_wraps()")
+            )
+        types = one_hot(self.edge_type, CONTRACTS[chosen].edge_type_count)
+        turned = self.turned if chosen == 2 else None
+        joined = join_channels(self.inside, types, self.deformation, turned)
         return joined.astype(np.float32)
 
     @classmethod
@@ -146,32 +197,38 @@ class GarmentImage:
     ) -> "GarmentImage":
         """The image that `to_channels` would give `array` for; hard decisions, no repair.
 
-        A cell is inside where its flag is over 0.5, of logits over 0; of a grid edge's four types
-        the largest counts; deformation outside is cleared. It is the image that `decode` starts
-        from.
+        A cell is inside where its flag is over 0.5, of logits over 0, and turned likewise; of a
+        grid edge's types the largest counts; deformation outside is cleared. It is the image that
+        `decode` starts from.
 
         Args:
-            array: [17 L, N, N] or [L, 17, N, N], any real type.
+            array: [17 L, N, N] or [L, 17, N, N], or so with 26 (contract 2), any real type.
             like: where frame, layer names and marks come from; default: the standard frame.
             kind: what the numbers of flags and types are; default: judged by all of them together.
 
         Raises:
             ImageError: a wrong shape, values that are not finite, or no such kind.
         """
-        flags, types, vectors = split_channels(check_channels(array))
+        parts = split_channels(check_channels(array))
+        flags, types, vectors, _ = parts
         layers, grid = len(flags), flags.shape[-1]
-        inside = flags > (0.0 if resolve_channel_kind(flags, types, kind) == "logits" else 0.5)
-        edge_type = types.argmax(axis=2).astype(np.int8)
+        threshold = 0.0 if resolve_channel_kind(parts, kind) == "logits" else 0.5
+        inside = flags > threshold
+        turned = inside & (parts.turned > threshold) if parts.turned is not None else None
+        edge_type = types[:, :, : len(EdgeType)].argmax(axis=2).astype(np.int8)
         deformation = np.where(inside[:, None, None], vectors, 0.0).astype(np.float32)
         if like is None:
             names = default_layer_names(layers)
-            return cls(inside, edge_type, deformation, BodyFrame.standard(grid), names)
+            frame = BodyFrame.standard(grid)
+            return cls(inside, edge_type, deformation, frame, names, turned=turned)
         if (like.grid, like.layers) != (grid, layers):
             raise ImageError(
                 f"`like` has {like.layers} layers of {like.grid} cells, "
                 f"the array {layers} of {grid}"
             )
-        return replace(like, inside=inside, edge_type=edge_type, deformation=deformation)
+        return replace(
+            like, inside=inside, edge_type=edge_type, deformation=deformation, turned=turned
+        )
 
 
 def default_layer_names(layers: int) -> tuple[str, ...]:
@@ -189,10 +246,10 @@ def mirrored_channels(
     The left edge of a cell is the right one of its mirror image; beyond the last column there is
     none, and the first column's stands in for it.
     """
-    flags, types, vectors = split_channels(channels[..., ::-1])
+    flags, types, vectors, turned = split_channels(channels[..., ::-1])
     left = types[:, :, LEFT]
     left = np.concatenate([left[..., :1], left[..., :-1]], axis=-1)
     edges = vectors[:, :, [0, 3, 2, 1]]
     across, upright = np.array([1, -1], np.float32), np.array([-1, 1], np.float32)
     edges = edges * np.stack([across, upright, across, upright])[:, :, None, None]
-    return join_channels(flags, np.stack([types[:, :, BOTTOM], left], axis=2), edges)
+    return join_channels(flags, np.stack([types[:, :, BOTTOM], left], axis=2), edges, turned)

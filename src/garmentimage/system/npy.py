@@ -62,8 +62,10 @@ def parse_npy(data: bytes) -> np.ndarray:
     return array.astype(dtype.newbyteorder("="), copy=False)
 
 
-def parse_npz(data: bytes, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """The wanted arrays in the bytes of an `.npz` file.
+def parse_npz(
+    data: bytes, wanted: tuple[str, ...], optional: tuple[str, ...] = ()
+) -> dict[str, np.ndarray]:
+    """The wanted arrays in the bytes of an `.npz` file, and the optional ones that it has.
 
     Raises:
         ImageError: a damaged archive, a missing array, or arrays that unpack to too much.
@@ -76,7 +78,8 @@ def parse_npz(data: bytes, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
             missing = [name for name in wanted if f"{name}.npy" not in members]
             if missing:
                 raise ImageError(f"not a GarmentImage, the array {missing[0]!r} is missing")
-            chosen = {name: members[f"{name}.npy"] for name in wanted}
+            names = (*wanted, *(name for name in optional if f"{name}.npy" in members))
+            chosen = {name: members[f"{name}.npy"] for name in names}
             if any(info.compress_type not in PACKINGS for info in chosen.values()):
                 raise ImageError("packed in a way that no .npz is; save it again")
             if sum(info.file_size for info in chosen.values()) > MAX_ARCHIVE_BYTES:

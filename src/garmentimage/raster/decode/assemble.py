@@ -1,10 +1,10 @@
 """Panels named, turned into their own frames, placed round the body, and their edges sewn."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from garmentimage.geometry import centroid, signed_area, to_point
 from garmentimage.pattern import (
@@ -14,17 +14,23 @@ from garmentimage.pattern import (
     Side,
     Stitch,
     euler_angles,
+    fold_over,
     loop_from_curves,
 )
 from garmentimage.raster.decode.boundary import Boundary, Cluster
 from garmentimage.raster.decode.fit_edges import FittedPanels
 from garmentimage.raster.decode.naming import panel_names
+from garmentimage.raster.decode.whole_panels import WrappedPlace, wrapped_place
 from garmentimage.raster.image import GarmentImage, PanelMark
 
 DEPTH_CM = 20.0
 """Distance of front and back panels from the plane between them, where no mark says better."""
 
 LAYER_STEP_CM = 3.0  # how much farther out each further pair of layers is placed
+
+FOLD_LIFT_CM = 1.0
+"""How far outward a turned panel is placed from the one that it is folded onto, where no mark says
+better."""
 
 ORTHOGONAL_TOL = 1e-3
 
@@ -99,26 +105,52 @@ def assemble(
     for k, own in sorted(fitted.members.items()):
         edges = [(i, number) for i in own for number in range(len(loops[i]))]
         side_of |= {edge: Side(names[k], number) for number, edge in enumerate(edges)}
-        mark, move = clusters[k].mark, np.zeros(2)
-        is_unsplit = (fitted.whole == k).sum() == 1
-        if mark is not None and is_unsplit:
-            move = np.array(mark.anchor) - centroid(fitted.seams.polygons[own[0]])
-        drawn = [_moved(loop_from_curves([edge.curve for edge in loops[i]]), move) for i in own]
-        matrix = frames.matrices[k]
-        shift = frames.shifts[k] - matrix @ move
-        panels.append(_place_panel(names[k], drawn, clusters[k], matrix, shift))
+        drawn = [loop_from_curves([edge.curve for edge in loops[i]]) for i in own]
+        outline = fitted.seams.polygons[own[0]]
+        members = np.flatnonzero(fitted.whole == k).tolist()
+        mark = clusters[k].mark
+        if mark is None and len(members) > 1:
+            parts = clusters, frames.boundary, fitted.boundary, members, frames.matrices[k]
+            place = wrapped_place(*parts)
+            panels.append(_standing(names[k], drawn, clusters[k], place, centroid(outline)))
+            continue
+        is_whole = mark is not None and len(members) == 1
+        move = np.array(mark.anchor) - centroid(outline) if mark and is_whole else np.zeros(2)
+        drawn = [_posed(loop, np.eye(2), move) for loop in drawn]
+        shift = frames.shifts[k] - frames.matrices[k] @ move
+        panels.append(_flat(names[k], drawn, clusters[k], frames.matrices[k], shift))
     sewn = tuple(Stitch(side_of[a], side_of[b]) for a, b in fitted.seams.stitches)
-    return Pattern(tuple(panels), sewn, image.name)
+    pattern = Pattern(tuple(panels), sewn, image.name)
+    turned = {names[k] for k in fitted.members if _is_turned(clusters, fitted.whole == k)}
+    if not turned:
+        return pattern
+    unplaced = {names[k] for k in fitted.members if clusters[k].mark is None}
+    return _on_top(fold_over(pattern, turned, unplaced, FOLD_LIFT_CM), turned)
 
 
-def _place_panel(
+def _is_turned(clusters: Sequence[Cluster], members: Bool[np.ndarray, " cluster"]) -> bool:
+    """Whether most cells of a panel say that its wrong side is out."""
+    chosen = [clusters[k] for k in np.flatnonzero(members)]
+    votes = sum(cluster.turned_cells for cluster in chosen)
+    return 2 * votes > sum(len(cluster.mesh.cells) for cluster in chosen)
+
+
+def _on_top(pattern: Pattern, names: Set[str]) -> Pattern:
+    """The pattern, these panels on the next cloth layer."""
+    panels = (
+        replace(p, cloth_layer=p.cloth_layer + 1) if p.name in names else p for p in pattern.panels
+    )
+    return replace(pattern, panels=tuple(panels))
+
+
+def _flat(
     name: str,
     loops: Sequence[Loop],
     cluster: Cluster,
     matrix: Float[np.ndarray, "2 2"],
     shift: Float[np.ndarray, " 2"],
 ) -> Panel:
-    """One panel in its frame and its place round the body."""
+    """A panel in front of the body or behind it, or where its mark says."""
     turn = np.zeros((3, 3))
     turn[:2, :2], turn[2, 2] = matrix, np.linalg.det(matrix)
     depth = cluster.outward * (DEPTH_CM + LAYER_STEP_CM * (cluster.layer // 2))
@@ -135,6 +167,29 @@ def _place_panel(
     )
 
 
-def _moved(loop: Loop, move: Float[np.ndarray, " 2"]) -> Loop:
+def _standing(
+    name: str,
+    loops: Sequence[Loop],
+    cluster: Cluster,
+    place: WrappedPlace,
+    centre: Float[np.ndarray, " 2"],
+) -> Panel:
+    """A panel that wraps round the body, edge-on at its side; the cut stands midway in depth."""
+    outline, *holes = (_posed(loop, place.turn, np.zeros(2)) for loop in loops)
+    x, y, _ = -place.rotation[:, :2] @ (place.turn @ centre)
+    z = -place.rotation[2, :2] @ place.cut
+    middle_x, middle_y = place.middle
+    return Panel(
+        name,
+        outline,
+        tuple(holes),
+        (float(middle_x + x), float(middle_y + y), float(z)),
+        euler_angles(place.rotation),
+        cloth_layer=cluster.layer // 2,
+    )
+
+
+def _posed(loop: Loop, matrix: Float[np.ndarray, "2 2"], move: Float[np.ndarray, " 2"]) -> Loop:
     # Curvature is relative to the edge, so only the vertices move.
-    return Loop(tuple(to_point(np.array(v) + move) for v in loop.vertices), loop.edges)
+    points = np.array(loop.vertices) @ matrix.T + move
+    return Loop(tuple(map(to_point, points)), loop.edges)

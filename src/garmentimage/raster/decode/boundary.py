@@ -6,7 +6,7 @@ shows through the body, the other way round. Walked so, two sewn sides always ru
 other, whatever their layers: the start of one meets the end of the other.
 """
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -33,6 +33,7 @@ class Cluster:
     mesh: CellMesh
     vertices: Float[np.ndarray, "vertex 2"]  # positions [cm]
     mark: PanelMark | None  # what the image says of the panel
+    turned_cells: int = 0  # how many of its cells say that the wrong side is out
 
     @property
     def outward(self) -> int:
@@ -51,6 +52,8 @@ class Boundary:
     partner: Int[np.ndarray, " half"]  # the half-edge that it is sewn to, or `NONE`
     following: Int[np.ndarray, " half"]
     preceding: Int[np.ndarray, " half"]
+    wraps: Bool[np.ndarray, " half"]
+    """Whether the cloth goes on beyond it, round the body, in the panel of its partner."""
 
     @property
     def loops(self) -> list[list[int]]:
@@ -71,13 +74,16 @@ class Boundary:
 
     @property
     def seam_starts(self) -> Bool[np.ndarray, " half"]:
-        """Where a run of half-edges with one fate begins: a seam, a dart's leg, a free edge."""
+        """Where a run of half-edges with one fate begins: a seam, a leg of a dart, a free edge."""
         before = self.preceding
         mine, theirs = self.partner, self.partner[before]
         free = (mine == NONE) & (theirs == NONE)
         tip = theirs == np.arange(len(mine))
         sewn_on = (mine != NONE) & (theirs != NONE) & ~tip & (mine == before[theirs])
-        starts: Bool[np.ndarray, " half"] = (self.following != NONE) & ~free & ~sewn_on
+        changes = self.wraps != self.wraps[before]
+        starts: Bool[np.ndarray, " half"] = (self.following != NONE) & (
+            ~(free | sewn_on) | changes
+        )
         return starts
 
 
@@ -85,8 +91,8 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
     """The half-edges of `clusters` and who is sewn to whom (paper, Section 3.3).
 
     `SIDE_BY_SIDE` joins a half-edge to the opposite one of the neighbouring cell, `FRONT_TO_BACK`
-    to the same side of the same cell on the other layer of its pair. A half-edge whose partner is
-    missing stays free.
+    and `WRAP` to the same side of the same cell on the other layer of its pair. A half-edge whose
+    partner is missing stays free.
     """
     sides = [_sides_of(image, cluster) for cluster in clusters]
     sizes = [len(each.kind) for each in sides]
@@ -94,13 +100,16 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
     onward = np.concatenate([each.onward + k for each, k in zip(sides, first, strict=True)])
     preceding = np.empty(len(onward), np.int64)
     preceding[onward] = np.arange(len(onward))
+    partner = _partners(image, sides)
+    kind = np.concatenate([each.kind for each in sides])
     return Boundary(
         np.repeat(np.arange(len(clusters)), sizes),
         np.concatenate([each.tail for each in sides]),
         np.concatenate([each.head for each in sides]),
-        _partners(image, sides),
+        partner,
         onward,
         preceding,
+        (kind == EdgeType.WRAP) & (partner != NONE),
     )
 
 
@@ -143,8 +152,9 @@ def _partners(image: GarmentImage, sides: Sequence[_ClusterSides]) -> Int[np.nda
         number[np.minimum(other, image.layers - 1), row + 1, col + 1, side],
         NONE,
     )
-    opposite[kind[opposite] != EdgeType.FRONT_TO_BACK] = NONE
-    is_sewn = [kind == EdgeType.SIDE_BY_SIDE, kind == EdgeType.FRONT_TO_BACK]
+    opposite[kind[opposite] != kind] = NONE
+    is_between_layers = np.isin(kind, (EdgeType.FRONT_TO_BACK, EdgeType.WRAP))
+    is_sewn = [kind == EdgeType.SIDE_BY_SIDE, is_between_layers]
     return np.select(is_sewn, [beside, opposite], NONE)
 
 
@@ -173,29 +183,68 @@ def close_slits(boundary: Boundary, clusters: Sequence[Cluster], chosen: set[int
 
 
 def join_parts(
-    boundary: Boundary, part_of: Sequence[str | None]
+    boundary: Boundary, part_of: Sequence[str | None], apart: Set[int] = frozenset()
 ) -> tuple[Boundary, Int[np.ndarray, " cluster"]]:
-    """Join the parts of split panels along the seam between them.
+    """Join the parts of panels that were cut: along wraps, and where only marks tell, along seams.
 
-    Points of parts must already lie in the whole panel's frame. Of the seams between two parts the
-    cut is the one whose sides lie nearest to each other; the second part is moved onto it rigidly.
+    Points of parts with marks must already lie in the whole panel's frame. Wraps are joined first,
+    the longest first; two that would close a panel to a tube are not both joined. Of the seams
+    between two parts that share a mark the cut is the one whose sides lie nearest to each other.
+    The second part is moved onto the first rigidly.
 
     Args:
         boundary: as traced.
         part_of: for each cluster the name of the panel that it is a part of, or None.
+        apart: clusters that are not joined.
 
     Returns:
         The boundary without the cuts, and for each cluster the one it was joined to, or itself.
     """
-    whole = np.arange(len(part_of))
+    boundary, whole = _join_wraps(boundary, len(part_of), apart)
     for name in sorted({n for n in part_of if n is not None}):
-        members = [k for k, n in enumerate(part_of) if n == name]
+        members = [k for k, n in enumerate(part_of) if n == name and k not in apart]
         for second in members[1:]:
-            cut = _nearest_seam(boundary, members[0], second, whole)
+            root = int(whole[members[0]])
+            cut = _nearest_seam(boundary, root, second, whole) if whole[second] != root else []
             if cut:
-                boundary = _join(boundary, cut, second)
-                whole[second] = members[0]
+                part = whole == whole[second]
+                boundary = _join(boundary, cut, part)
+                whole[part] = root
     return boundary, whole
+
+
+def _join_wraps(
+    boundary: Boundary, cluster_count: int, apart: Set[int]
+) -> tuple[Boundary, Int[np.ndarray, " cluster"]]:
+    """Join clusters along the runs of half-edges where cloth goes on; see `join_parts`."""
+    whole = np.arange(cluster_count)
+    runs = _wrap_runs(boundary) if boundary.wraps.any() else []
+    for run in sorted(runs, key=lambda run: (-len(run), run[0])):
+        ends = run[0], int(boundary.partner[run[0]])
+        parts = [int(boundary.cluster[k]) for k in ends]
+        first, second = sorted(int(whole[part]) for part in parts)
+        if first == second or apart & set(parts):
+            continue
+        if whole[parts[0]] != first:
+            run = boundary.partner[run][::-1].tolist()
+        joined = _join(boundary, run, whole == second)
+        if joined is not boundary:
+            boundary = joined
+            whole[whole == second] = first
+    return boundary, whole
+
+
+def _wrap_runs(boundary: Boundary) -> list[list[int]]:
+    """Runs of half-edges where cloth goes on, each from one of its two sides."""
+    starts = boundary.seam_starts
+    runs = []
+    for first in np.flatnonzero(boundary.wraps & starts).tolist():
+        run = [first]
+        while boundary.wraps[k := int(boundary.following[run[-1]])] and not starts[k]:
+            run.append(k)
+        if min(run) < boundary.partner[run].min():
+            runs.append(run)
+    return runs
 
 
 def _nearest_seam(boundary: Boundary, first: int, second: int, whole: np.ndarray) -> list[int]:
@@ -218,14 +267,17 @@ def _nearest_seam(boundary: Boundary, first: int, second: int, whole: np.ndarray
     return best[1]
 
 
-def _join(boundary: Boundary, cut: list[int], second: int) -> Boundary:
-    """Move the second part onto the first along `cut` and leave the cut out of both loops."""
+def _join(boundary: Boundary, cut: list[int], second: Bool[np.ndarray, " cluster"]) -> Boundary:
+    """Move the second part, of these clusters, onto the first along `cut`, which is then left out.
+
+    The boundary itself where that would leave nothing of a loop.
+    """
     other = boundary.partner[cut]
     here = np.concatenate([boundary.tail[cut], boundary.head[cut[-1:]]])
     there = np.concatenate([boundary.head[other], boundary.tail[other[-1:]]])
-    rotation, shift = _rigid(there, here)
+    rotation, shift = rigid(there, here)
     tail, head = boundary.tail.copy(), boundary.head.copy()
-    moved = boundary.cluster == second
+    moved = second[boundary.cluster]
     tail[moved] = tail[moved] @ rotation.T + shift
     head[moved] = head[moved] @ rotation.T + shift
     following, preceding = boundary.following.copy(), boundary.preceding.copy()
@@ -245,7 +297,7 @@ def _join(boundary: Boundary, cut: list[int], second: int) -> Boundary:
 
 # Minimises sum |R p_i - q_i|² over rotations R of centred points (orthogonal Procrustes problem).
 # In the plane, with p and q as complex numbers, R turns by the argument of sum conj(p_i) q_i.
-def _rigid(source: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def rigid(source: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotation and shift that bring `source` nearest to `target` (least squares)."""
     a, b = source.mean(axis=0), target.mean(axis=0)
     p, q = source - a, target - b

@@ -9,7 +9,7 @@ panels their names, frames and places back, and join the parts of split panels a
     panel_frames   each panel turned into its own frame                 assemble
     fit_edges      parts joined, boundaries cut into edges and curves   fit_edges, edges, curve_fit
     divided        vertices of traced outlines put back                 divisions
-    assemble       names, places, stitches                              assemble, naming
+    assemble       names, places, stitches, turned panels folded over   assemble, naming
 """
 
 import numpy as np
@@ -44,7 +44,7 @@ def decode(
     grid; with full repair, cuts that end inside a panel are left out at last.
 
     Args:
-        image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
+        image: a GarmentImage, or channels [17 L or 26 L, N, N] as a network gives them.
         repair: how much of an inconsistent image is repaired first, see `repair`.
         kind: what the numbers of channels are, see `repair`; default: judged by all of them.
 
@@ -77,8 +77,11 @@ def _decoded(image: GarmentImage) -> Pattern:
     layer_of[labels[labels >= 0]] = np.nonzero(labels >= 0)[0]
     clusters = []
     for k, (layer, mark) in enumerate(zip(layer_of.tolist(), marks, strict=True)):
-        mesh = cell_mesh(labels[layer] == k, image.edge_type[layer])
-        clusters.append(Cluster(layer, mesh, unfold_panel(image, layer, mesh), mark))
+        mask = labels[layer] == k
+        mesh = cell_mesh(mask, image.edge_type[layer])
+        turned_cells = int(image.turned[layer][mask].sum())
+        vertices = unfold_panel(image, layer, mesh)
+        clusters.append(Cluster(layer, mesh, vertices, mark, turned_cells))
     clusters, boundary = unfold_simply(image, clusters)
     frames = panel_frames(boundary, clusters)
     fitted = fit_edges(frames.boundary, clusters).divided(image, clusters)

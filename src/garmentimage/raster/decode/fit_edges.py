@@ -56,8 +56,10 @@ def fit_edges(boundary: Boundary, clusters: Sequence[Cluster]) -> FittedPanels:
     straight: set[int] = set()
     part_of = [None if c.mark is None else c.mark.split_of for c in clusters]
 
+    apart: set[int] = set()
+
     def build() -> FittedPanels:
-        joined, whole = join_parts(boundary, part_of)
+        joined, whole = join_parts(boundary, part_of, apart)
         loops = joined.loops
         seams = cut_into_edges(joined, loops, straight)
         members: dict[int, list[int]] = {}
@@ -72,8 +74,7 @@ def fit_edges(boundary: Boundary, clusters: Sequence[Cluster]) -> FittedPanels:
             runs = _runs_to_straighten(panels, k, every=turn > MAX_STRAIGHTEN_ROUNDS)
             nothing_left_to_straighten = runs <= straight
             if nothing_left_to_straighten:
-                for part in np.flatnonzero(panels.whole == k).tolist():
-                    part_of[part] = None
+                apart.update(np.flatnonzero(panels.whole == k).tolist())
             straight.update(runs)
 
     return until_simple(build, relax)

@@ -12,13 +12,13 @@ from numbers import Integral
 
 from garmentimage.compare import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
-from garmentimage.pattern import Pattern, turned_round
+from garmentimage.pattern import Pattern, lay_open, turned_round
 from garmentimage.pattern.checks import unknown_place
 from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
 from garmentimage.raster.encode.layout import Layout, SeamGraph, build_seam_graph, layouts
 from garmentimage.raster.encode.placement import Placed, place
 from garmentimage.raster.encode.proof import Bows, Disproof, disproof
-from garmentimage.raster.encode.rasterize import rasterize
+from garmentimage.raster.encode.rasterize import rasterize, with_turned
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import GarmentImage
 
@@ -40,8 +40,9 @@ def encode(
 
     The image is decoded and compared before it is returned: it gives the same panels (each with
     an IoU of 0.9 or more), the same stitch graph, and seams as long within 2 % or 0.5 cm. From the
-    channels alone the same outlines come back; panels that were split to lie on both layers are
-    then two panels each, and names and frames of panels are lost.
+    channels alone the same outlines come back; names and frames of panels are lost. Panels that
+    wrap round the body lie on both layers, and panels that are sewn right side to wrong side, as
+    collars and lapels, are laid open; images with either need channel contract 2.
 
     Args:
         pattern: the garment; placement decides which layer a panel lies on. One that is drawn
@@ -73,8 +74,22 @@ def encode(
         raise EncodeError(str(unknown), remedy="pattern") from None
 
 
-def _encoded(pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool) -> GarmentImage:
+def _encoded(given: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool) -> GarmentImage:
     """See `encode`; errors name the grid or the garment's shape as the cause."""
+    opened = lay_open(given)
+    image = _encoded_plainly(opened.pattern, grid, frame, verify=verify)
+    if not opened.turned:
+        return image
+    image = with_turned(image, given, opened.turned)
+    if verify and (found := disproof(given, stitch_graph(given), image)).reason:
+        raise EncodeError(found.reason)
+    return image
+
+
+def _encoded_plainly(
+    pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool
+) -> GarmentImage:
+    """The image of a garment whose seams are all plain."""
     placed = place(pattern)
     if not any(panel.faces_out for panel in placed.panels):
         if unknown_place(pattern) is not None:

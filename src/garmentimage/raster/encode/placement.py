@@ -86,6 +86,8 @@ class PlacedSeam:
     b: tuple[int, int]
     crossed: bool
     """The start of `a` meets the end of `b`."""
+    is_cut: bool = False
+    """Where a panel was cut in two: the cloth goes on, round the body."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,10 @@ def place(pattern: Pattern) -> Placed:
     parts = sorted(split.parts, key=lambda p: (p.layer, _lean(split, p), p.name))
     where = {edge: (i, k) for i, p in enumerate(parts) for k, edge in enumerate(p.edges)}
     panels = tuple(_placed(split, p, *poses[id(p)]) for p in parts)
-    sewn = [PlacedSeam(where[e], where[f], crossed) for e, (f, crossed) in split.sewn.items()]
+    sewn = [
+        PlacedSeam(where[e], where[f], crossed, is_cut=e in split.cuts)
+        for e, (f, crossed) in split.sewn.items()
+    ]
     seams = tuple(sorted((s for s in sewn if s.a < s.b), key=lambda s: (s.a, s.b)))
     for seam in seams:
         _check_flat(panels, seam)

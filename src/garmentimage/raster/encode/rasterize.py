@@ -5,8 +5,8 @@ and the deformation of the cells is that of the quad mesh over them, pulled onto
 boundary (Eq. 1).
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Set
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, Integer
@@ -87,6 +87,26 @@ def rasterize(
         marks=tuple(marks),
         name=pattern.name,
     )
+
+
+def with_turned(image: GarmentImage, pattern: Pattern, turned: Set[str]) -> GarmentImage:
+    """The image of a garment that was laid open, its turned panels noted.
+
+    Args:
+        image: of the garment laid open.
+        pattern: as it was before.
+        turned: names of the panels whose wrong side is out.
+    """
+    labels, _ = label_panels(image.inside, image.edge_type)
+    flags = np.zeros_like(image.inside)
+    marks = []
+    for mark in image.marks:
+        source = pattern.by_name.get(mark.split_of or mark.name)
+        if source is not None and source.name in turned:
+            flags |= labels == labels[mark.layer, *mark.cell]
+            mark = replace(mark, rotation=source.rotation, translation=source.translation)  # noqa: PLW2901
+        marks.append(mark)
+    return replace(image, turned=flags, marks=tuple(marks))
 
 
 def _edge_types(drawn: _Drawn) -> EdgeTypes:

@@ -69,6 +69,8 @@ class SplitPattern:
     origin: dict[int, int] = field(default_factory=dict)
     """For every edge that is not a cut, the number of the edge of its pattern's panel that it is,
     is a part of, or begins with."""
+    cuts: set[int] = field(default_factory=set)
+    """The edges that were made by cutting panels in two."""
     _own_centres: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
     """Centres of area already found, by outer loop."""
     numbers: Iterator[int] = field(default_factory=itertools.count)
@@ -323,6 +325,7 @@ def _cut(split: SplitPattern, part: PanelPart, vertices: list[int]) -> None:
         split.curves[number] = np.stack(ends)
         both.append(replace(part, loops=[[*run, number]], is_part=True))
     split.sew(*cut, crossed=True)
+    split.cuts.update(cut)
     for hole in part.loops[1:]:
         _part_with_hole(split, part, both, hole).loops.append(hole)
     both.sort(key=lambda p: -split.centre(p)[2])

@@ -11,6 +11,7 @@ costs this much more."""
 
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
+_WRAP = int(EdgeType.WRAP)
 _SWEEPS = 20
 
 # The labels are the flag f of every cell and the type t of every grid edge. Minimised is
@@ -18,7 +19,7 @@ _SWEEPS = 20
 #     sum over cells C(f)  +  sum over grid edges C(t)  +  ODD_FOLD_COST for each odd fold
 #
 # subject to every t fitting the flags on both sides of its grid edge (see `labelling`). Given the
-# flags, the best type of each grid edge is independent of all others and found by comparing four
+# flags, the best type of each grid edge is independent of all others and found by comparing five
 # costs, so only flags are searched: iterated conditional modes (Besag 1986, "On the statistical
 # analysis of dirty pictures"). A sweep visits each cell of both layers at once and takes the flags
 # that make the cell and its four grid edges cheapest; the energy never rises, and sweeps end when
@@ -34,11 +35,11 @@ def best_types(f0, f1, b0, b1, front, back, layers):
     best_b, cost_b = best_single(b0, b1, back)
     total = cost_f + cost_b
     if (f0 and b0) or (f1 and b1):
-        sewn = front[_FRONT_TO_BACK] + back[_FRONT_TO_BACK]
-        if f0 == f1 or f0 != b0 or f1 != b1:
-            sewn += ODD_FOLD_COST
-        if sewn < total:
-            return sewn, _FRONT_TO_BACK, _FRONT_TO_BACK
+        odd = ODD_FOLD_COST if f0 == f1 or f0 != b0 or f1 != b1 else 0.0
+        for kind in (_FRONT_TO_BACK, _WRAP):
+            cost = front[kind] + back[kind] + odd
+            if cost < total:
+                total, best_f, best_b = cost, kind, kind
     return total, best_f, best_b
 
 

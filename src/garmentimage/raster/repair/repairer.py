@@ -26,6 +26,8 @@ from garmentimage.raster.repair.walls import (
     merge_thin_regions,
     repair_paper_cases,
     unify_seams,
+    unify_turned,
+    unify_wraps,
 )
 
 RepairLevel = Literal["full", "paper", "none"]
@@ -65,7 +67,7 @@ def repair(
     """Make an image consistent.
 
     Args:
-        image: a GarmentImage, or channels [17 L, N, N] as a network gives them.
+        image: a GarmentImage, or channels [17 L, N, N] as a network gives them, or [26 L, N, N].
         level: what is repaired.
         kind: what the numbers of the channels are: `shares` (probabilities); `logits`; `channels`,
             decided at .5 and by the largest of four, and sure then, as those of a GarmentImage.
@@ -76,11 +78,12 @@ def repair(
         none: the likeliest value of everything, consistent or not.
         paper: then the paper's two cases: a `NON_STITCH` grid edge between two `FRONT_TO_BACK` ones
             becomes `FRONT_TO_BACK` (where the other layer says so: read literally, the rule
-            changes correct images); a `NON_BOUNDARY` one between two tips of `SIDE_BY_SIDE` walls
+            changes correct images), and `WRAP` likewise; a `NON_BOUNDARY` one between two tips of `SIDE_BY_SIDE` walls
             becomes `SIDE_BY_SIDE` (unless they are the tips of two darts).
         full: the least-cost labelling in which every grid edge agrees with its cells, found by
             local search (see `labelling`); then seams are made whole or dropped, small regions
-            merged, uncertain bands made one seam, and the paper's cases repaired.
+            merged, uncertain bands made one seam, and the paper's cases repaired. Cloth goes on
+            round the body along a whole seam or not at all, and a panel is turned as a whole.
 
     A correct image comes back unchanged.
 
@@ -93,9 +96,9 @@ def repair(
         report = RepairReport(level)
         repaired, counts = _repaired(image, level, None)
     else:
-        flags, types, _ = split_channels(check_channels(image))
-        known = resolve_channel_kind(flags, types, kind)
-        report = RepairReport(level, {}, known, kind is None and not is_binary(flags, types))
+        parts = split_channels(check_channels(image))
+        known = resolve_channel_kind(parts, kind)
+        report = RepairReport(level, {}, known, kind is None and not is_binary(parts))
         given = GarmentImage.from_channels(image, kind=known)
         repaired, counts = _repaired(given, level, unary_costs(image, known))
     return repaired, replace(report, counts={rule: n for rule, n in counts.items() if n})
@@ -126,15 +129,18 @@ def _repaired_fully(given: GarmentImage, costs: UnaryCosts) -> tuple[GarmentImag
     counts["lone cells dropped"] = drop_isolated_regions(inside, types, flag_cost)
     # What was merged may leave a slit behind.
     counts["seams and slits made whole or dropped"] += unify_seams(inside, types, type_cost)
+    counts["wraps made whole or dropped"] = unify_wraps(inside, types, type_cost)
     inside, types = minimise_energy(inside, flag_cost, type_cost)
-    repaired = replace(given, inside=inside, edge_type=types)
+    turned = unify_turned(inside, types, costs.turned)
+    counts["turned flags"] = int((turned != given.turned)[inside & given.inside].sum())
+    repaired = replace(given, inside=inside, edge_type=types, turned=turned)
     types, paper = repair_paper_cases(repaired)
     counts |= paper
     deformation, filled = _fill_deformation(given, costs.deformation, inside, types)
     counts["deformations filled in"] = filled
     if not any(counts.values()):
         return given, counts
-    return replace(given, inside=inside, edge_type=types, deformation=deformation), counts
+    return replace(repaired, edge_type=types, deformation=deformation), counts
 
 
 def _fill_deformation(

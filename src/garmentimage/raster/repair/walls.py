@@ -10,7 +10,7 @@ place, and the costs too, so that its decision lasts.
 """
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -47,11 +47,13 @@ SHARED_TOL = 0.12
 
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
-_CUTS = (_NON_STITCH, _FRONT_TO_BACK)
+_WRAP = int(EdgeType.WRAP)
+_BETWEEN_LAYERS = (_FRONT_TO_BACK, _WRAP)
+_CUTS = (_NON_STITCH, *_BETWEEN_LAYERS)
 
 Flags = Bool[np.ndarray, "layer row col"]
 Types = Int[np.ndarray, "layer 2 row col"]
-Costs = Float[np.ndarray, "layer 2 4 row col"]
+Costs = Float[np.ndarray, "layer 2 type row col"]
 Wall = tuple[int, int, int]
 """(h, row, col) of a grid edge of one layer: h = 0 the bottom, 1 the left edge of the cell."""
 
@@ -66,7 +68,7 @@ def unify_seams(inside: Flags, types: Types, cost: Costs) -> int:
     """
     changed = 0
     for layer in range(len(inside)):
-        inner = _inner_edges(inside[layer]) & (types[layer] != _FRONT_TO_BACK)
+        inner = _inner_edges(inside[layer]) & ~np.isin(types[layer], _BETWEEN_LAYERS)
         extra = cost[layer, :, _SIDE_BY_SIDE] - cost[layer, :, _NON_BOUNDARY]
         likely = inner & (extra < np.log(1 / LIKELY_WALL - 1))
         walls = np.where(likely | (inner & (types[layer] > 0)), _SIDE_BY_SIDE, types[layer])
@@ -223,13 +225,82 @@ def _interfaces(
     return found
 
 
+def unify_wraps(inside: Flags, types: Types, cost: Costs) -> int:
+    """Make each chain between the same two regions of both layers a seam or a wrap as a whole.
+
+    Cloth goes on round the body, or it is sewn there; which of the two is one decision.
+
+    Returns:
+        How many chains were changed.
+    """
+    changed = 0
+    for first in range(0, len(inside) - 1, 2):
+        both = np.isin(types[first], _BETWEEN_LAYERS)
+        if not (types[first][both] == _WRAP).any():
+            continue
+        regions, _ = label_panels(inside[first : first + 2], types[first : first + 2])
+        groups: dict[tuple[tuple[int, int], ...], list[Wall]] = {}
+        for h, row, col in np.argwhere(both).tolist():
+            pairs = _facing_regions(regions, (h, row, col))
+            groups.setdefault(pairs, []).append((h, row, col))
+        for _, group in sorted(groups.items()):
+            for chain in _connected(group):
+                changed += _unify_wrap(chain, types[first : first + 2], cost[first : first + 2])
+    return changed
+
+
+def _facing_regions(
+    regions: Int[np.ndarray, "2 row col"], wall: Wall
+) -> tuple[tuple[int, int], ...]:
+    """The regions in front and behind that are joined at a grid edge, on each side that has both."""
+    beside = [cell for cell in _sides(wall) if min(cell) >= 0]
+    pairs = [(int(regions[0][cell]), int(regions[1][cell])) for cell in beside]
+    return tuple(pair for pair in pairs if min(pair) >= 0)
+
+
+def _unify_wrap(
+    chain: list[Wall], types: Int[np.ndarray, "2 2 row col"], cost: np.ndarray
+) -> bool:
+    """Give a chain one type on both layers if what stands against it is worth less than
+    `RARE_COST`.
+    """
+    h, row, col = np.array(chain).T
+    own = types[0, h, row, col]
+    if (own == own[0]).all():
+        return False
+    both = np.stack([cost[:, h, kind, row, col].sum(axis=0) for kind in _BETWEEN_LAYERS])
+    k = int(np.argmin(both.sum(axis=1)))
+    changes = own != _BETWEEN_LAYERS[k]
+    worth = (both[k] - both[1 - k])[changes].mean()
+    if worth >= RARE_COST:
+        return False
+    types[:, h, row, col] = _BETWEEN_LAYERS[k]
+    cost[:, h, _BETWEEN_LAYERS[k], row, col] = 0.0
+    cost[:, h, _BETWEEN_LAYERS[1 - k], row, col] += MAX_COST
+    return True
+
+
+def unify_turned(
+    inside: Flags, types: Types, cost: Float[np.ndarray, "2 layer row col"]
+) -> Flags:
+    """Which cells are turned: each region as a whole, whichever costs less."""
+    regions, count = label_panels(inside, types)
+    totals = [
+        np.bincount(regions[inside], weights=each[inside], minlength=count) for each in cost
+    ]
+    turned = np.zeros_like(inside)
+    turned[inside] = (totals[1] < totals[0])[regions[inside]]
+    return turned
+
+
 def remove_dangling_cuts(image: GarmentImage) -> tuple[GarmentImage, int]:
     """The image without cuts that end inside a panel and are not sewn to their own other side.
 
-    Such a cut is `NON_STITCH` or `FRONT_TO_BACK`; it goes from its tip as far as another wall.
+    Such a cut is `NON_STITCH`, `FRONT_TO_BACK` or `WRAP`; it goes from its tip as far as another
+    wall.
 
     Returns:
-        The image, and how many grid edges were changed; a front-to-back one goes on both layers.
+        The image, and how many grid edges were changed; one between layers goes on both.
     """
     types, count = image.edge_type.copy(), 0
     inner = np.stack([_inner_edges(inside) for inside in image.inside])
@@ -244,7 +315,7 @@ def remove_dangling_cuts(image: GarmentImage) -> tuple[GarmentImage, int]:
             return replace(image, edge_type=types), count
         for layer, wall in flaps:
             other = layer ^ 1
-            if types[layer][wall] == _FRONT_TO_BACK and other < image.layers:
+            if types[layer][wall] in _BETWEEN_LAYERS and other < image.layers:
                 types[other][wall] = _NON_BOUNDARY if inner[other][wall] else _NON_STITCH
             types[layer][wall] = _NON_BOUNDARY
             count += 1
@@ -265,13 +336,13 @@ def repair_paper_cases(image: GarmentImage) -> tuple[Types, dict[str, int]]:
     """
     types = image.edge_type.copy()
     sewn = 0
-    for layer in range(image.layers):
+    for layer, kind in product(range(image.layers), _BETWEEN_LAYERS):
         if layer ^ 1 >= image.layers:
             continue
-        gaps = (types[layer] == _NON_STITCH) & (types[layer ^ 1] == _FRONT_TO_BACK)
+        gaps = (types[layer] == _NON_STITCH) & (types[layer ^ 1] == kind)
         for h, row, col in np.argwhere(gaps).tolist():
-            if all(_touching(types[layer], (h, row, col), p, _FRONT_TO_BACK) for p in (0, 1)):
-                types[layer, h, row, col] = _FRONT_TO_BACK
+            if all(_touching(types[layer], (h, row, col), p, kind) for p in (0, 1)):
+                types[layer, h, row, col] = kind
                 sewn += 1
     closed = 0
     for layer in range(image.layers):

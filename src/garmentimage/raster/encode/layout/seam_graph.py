@@ -33,7 +33,7 @@ class Arc:
     layers: tuple[int, ...]
     """Layers that the arc lies on."""
     kind: EdgeType
-    """NON_STITCH, FRONT_TO_BACK or SIDE_BY_SIDE."""
+    """NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE or WRAP."""
     sides: tuple[tuple[int, int, bool], ...]
     """One or two (panel index, edge number, the edge runs against the arc)."""
     slit: bool
@@ -73,7 +73,10 @@ def build_seam_graph(placed: Placed) -> SeamGraph:
     """
     placed = _open_rings(placed)
     corner = _merged_corners(placed)
-    arcs = [_arc(placed, corner, sides) for sides in _sides(placed)]
+    cuts = {seam.a for seam in placed.seams if seam.is_cut}
+    arcs = [
+        _arc(placed, corner, sides, is_cut=sides[0][0] in cuts) for sides in _sides(placed)
+    ]
     arcs = _renumbered(sorted(arcs, key=lambda arc: _arc_key(placed, arc)))
     owner = {(p, e): (i, back) for i, arc in enumerate(arcs) for p, e, back in arc.sides}
     nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
@@ -148,7 +151,11 @@ def _open_rings(placed: Placed) -> Placed:
 
 
 def _arc(
-    placed: Placed, corner: dict[Side, tuple[int, int]], sides: tuple[tuple[Side, bool], ...]
+    placed: Placed,
+    corner: dict[Side, tuple[int, int]],
+    sides: tuple[tuple[Side, bool], ...],
+    *,
+    is_cut: bool,
 ) -> Arc:
     """The arc of one side or of two, its sides ordered and its direction chosen by place."""
     panels = [placed.panels[i] for (i, _), _ in sides]
@@ -158,7 +165,8 @@ def _arc(
     leaning = _lean(curves[first][-1]) < _lean(curves[first][0])
     a, b = corner[sides[first][0]]
     layers = tuple(sorted({p.layer for p in panels}))
-    sewn = EdgeType.FRONT_TO_BACK if len(layers) == 2 else EdgeType.SIDE_BY_SIDE
+    between_layers = EdgeType.WRAP if is_cut else EdgeType.FRONT_TO_BACK
+    sewn = between_layers if len(layers) == 2 else EdgeType.SIDE_BY_SIDE
     against_first = [back != sides[first][1] for _, back in sides]
     return Arc(
         a=b if leaning else a,
