@@ -26,6 +26,7 @@ from garmentimage.compare.stitch_graphs import (
     seam_agreement,
     stitch_graph,
 )
+from garmentimage.compare.turning import turned_freely
 from garmentimage.compare.validation import stitch_faults, structure_faults
 from garmentimage.pattern import Pattern
 
@@ -65,9 +66,18 @@ def compare_patterns(
     Args:
         original: the pattern that went in.
         decoded: the pattern that came back.
-        any_pose: panels may lie mirrored or turned by quarters in their own coordinates, and
-            names say nothing.
+        any_pose: panels may lie mirrored or turned in their own coordinates, and names say nothing.
+            Quarter turns are tried first, others where these do not do.
     """
+    result = _compared(original, decoded, any_pose=any_pose)
+    if result.success or not any_pose or stitch_faults(decoded):
+        return result
+    turned = turned_freely(original, decoded)
+    return _compared(original, turned, any_pose=True) if turned != decoded else result
+
+
+def _compared(original: Pattern, decoded: Pattern, *, any_pose: bool) -> RoundtripResult:
+    """The comparison in quarter turns."""
     task = _Comparison(original, decoded, any_pose)
     faults = stitch_faults(decoded)
     if faults:
