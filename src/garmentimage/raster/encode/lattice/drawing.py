@@ -17,6 +17,7 @@ from jaxtyping import Bool, Float, Int
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import polyline_length, signed_area
 from garmentimage.raster.encode.lattice._kernels_chords import chord_loss_kernel
+from garmentimage.raster.encode.lattice.node_order import with_node_order
 from garmentimage.raster.encode.layout import Layout, trunk_share
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
@@ -220,7 +221,7 @@ def drawing_of(layout: Layout, frame: BodyFrame) -> Drawing:
     tail = np.array([arc.a for arc in graph.arcs])
     head = np.array([arc.b for arc in graph.arcs])
     layers = np.array([sum(1 << layer for layer in arc.layers) for arc in graph.arcs])
-    curves = tuple(frame.to_lattice(curve) for curve in layout.curves)
+    curves = with_node_order(graph, tuple(frame.to_lattice(curve) for curve in layout.curves))
     target = np.zeros((graph.node_count, 2))
     for curve, a, b in zip(curves, tail, head, strict=True):
         target[a], target[b] = curve[0], curve[-1]

@@ -1,0 +1,103 @@
+"""The order of arcs round a node, made that of the panels between them.
+
+Which arc follows which round a node is a fact of the garment: two that bound a corner of a panel
+follow each other. A layout may show it otherwise where a panel is a sliver, such as a lapel that
+narrows to a point: its two edges cross there. Then their first steps are turned, so that the
+drawing begins with the right order; where they lead stays.
+"""
+
+from collections.abc import Sequence
+from math import tau
+
+import numpy as np
+from jaxtyping import Float
+
+from garmentimage.geometry import signed_area
+from garmentimage.raster.encode.layout import SeamGraph
+
+End = tuple[int, bool]
+"""(arc, at its head): an end of an arc, seen as leaving its node."""
+
+Curves = tuple[Float[np.ndarray, "_ 2"], ...]
+
+
+def with_node_order(graph: SeamGraph, curves: Curves) -> Curves:
+    """The target curves of the arcs, their first steps turned where the order round a node is not
+    that of the garment.
+    """
+    found = list(curves)
+    for layer in (0, 1):
+        after = _following_ends(graph, layer)
+        for ends in _ends_by_node(graph, layer).values():
+            if len(ends) > 2:
+                _put_in_order(graph, found, ends, after)
+    return tuple(found)
+
+
+def _ends_by_node(graph: SeamGraph, layer: int) -> dict[int, list[End]]:
+    ends: dict[int, list[End]] = {}
+    for number, arc in enumerate(graph.arcs):
+        if layer in arc.layers:
+            ends.setdefault(arc.a, []).append((number, False))
+            ends.setdefault(arc.b, []).append((number, True))
+    return ends
+
+
+def _following_ends(graph: SeamGraph, layer: int) -> dict[End, End]:
+    """For each end the next one counter-clockwise, where a corner of a panel lies between them."""
+    after: dict[End, End] = {}
+    for index, panel in enumerate(graph.placed.panels):
+        if panel.layer != layer:
+            continue
+        for number, loop in enumerate(panel.loops):
+            outline = np.concatenate([panel.curves[k][:-1] for k in loop])
+            cloth_left = (signed_area(outline) > 0) == (number == 0)
+            for k, following in zip(loop, (*loop[1:], loop[0]), strict=True):
+                arc, back = graph.owner[index, k]
+                arriving = arc, not back
+                arc, back = graph.owner[index, following]
+                leaving = arc, back
+                if cloth_left:
+                    after[leaving] = arriving
+                else:
+                    after[arriving] = leaving
+    return after
+
+
+def _put_in_order(
+    graph: SeamGraph, curves: list[np.ndarray], ends: Sequence[End], after: dict[End, End]
+) -> None:
+    """Turn the first steps at one node, in place, if they are in another order."""
+    angle = {end: _angle(curves, end) for end in ends}
+    begun = set(after.values())
+    fans = [[end] for end in ends if end not in begun] or [[min(ends)]]
+    for fan in fans:
+        while (following := after.get(fan[-1])) is not None and following not in fan:
+            fan.append(following)
+    order = [end for fan in sorted(fans, key=lambda fan: angle[fan[0]]) for end in fan]
+    if len(order) != len(ends):
+        return
+    wanted = sorted(angle.values())
+    turns = [
+        [(wanted[(k + shift) % len(order)] - angle[end]) % tau for k, end in enumerate(order)]
+        for shift in range(len(order))
+    ]
+    moved = min(turns, key=lambda each: sum(min(turn, tau - turn) for turn in each))
+    changed = [(end, turn) for end, turn in zip(order, moved, strict=True) if turn]
+    if any(len(graph.arcs[arc].layers) > 1 for (arc, _), _ in changed):
+        return  # the order on the other layer would change with it
+    for end, turn in changed:
+        arc, at_head = end
+        curve = curves[arc].copy()
+        tip, near = (-1, -2) if at_head else (0, 1)
+        step = curve[near] - curve[tip]
+        cos, sin = np.cos(turn), np.sin(turn)
+        curve[near] = curve[tip] + np.array([[cos, -sin], [sin, cos]]) @ step
+        curves[arc] = curve
+
+
+def _angle(curves: Sequence[np.ndarray], end: End) -> float:
+    arc, at_head = end
+    curve = curves[arc][::-1] if at_head else curves[arc]
+    x, y = curve[1] - curve[0]
+    return float(np.arctan2(y, x))
