@@ -13,9 +13,9 @@ COLUMNS = {
     "split": "train, validation, test, or unseen: types that are in no other split",
     "body, fabric": "who wears it, and what it is made of",
     "pattern": "the sewing pattern, as specification JSON",
-    "raster": "the GarmentImage, float32: layers (front, back) x 17 channels x N x N, row 0 at the "
-    "bottom; channels: inside, types of the bottom edge (4), of the left edge (4), (dx, dy) of the "
-    "bottom, right, top and left edge [cm]",
+    "raster": "the GarmentImage, float32: layers (front, back) x 26 channels x N x N, row 0 at the "
+    "bottom; channels: inside, turned, types of the bottom edge (8), of the left edge (8), (dx, dy) "
+    "of the bottom, right, top and left edge [cm]",
     "captions": "what it is in words, from its parameters, the longest first",
 }
 PANELS = (

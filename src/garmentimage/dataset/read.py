@@ -16,7 +16,6 @@ from garmentimage.dataset.shard import ShardMetadata, parse_metadata
 from garmentimage.errors import DatasetError, quoted
 from garmentimage.pattern import Pattern
 from garmentimage.pattern.files import pattern_from_spec
-from garmentimage.raster import CHANNELS_PER_LAYER
 from garmentimage.system import shown_path
 
 Read = TypeVar("Read")
@@ -128,8 +127,10 @@ def row_group(file: Path, number: int, columns: Sequence[str]) -> pa.Table:
     return _read(file, lambda shard: shard.read_row_group(number, list(columns)))
 
 
-def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "_ 17 _ _"]]:
+def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "_ channel _ _"]]:
     """The rasters of some rows, without a Python object for every number.
+
+    They have 26 channels a layer; those of datasets of earlier releases have 17.
 
     Raises:
         DatasetError: a row has none, or not all have the same grid.
@@ -140,16 +141,16 @@ def raster_arrays(column: pa.ChunkedArray) -> list[Float32[np.ndarray, "_ 17 _ _
     if lists.null_count:
         raise DatasetError("a row has no raster; build the dataset again")
     layers = lists.value_lengths().to_numpy(zero_copy_only=False)
-    numbers = lists
-    for _ in range(4):
+    numbers, sizes = lists, []
+    for _ in range(3):
         numbers = numbers.flatten()
-    values = numbers.to_numpy(zero_copy_only=False)
-    grid = round((len(values) / layers.sum() / CHANNELS_PER_LAYER) ** 0.5)
-    ends = np.cumsum(layers) * CHANNELS_PER_LAYER * grid * grid
-    if ends[-1] != len(values):
+        sizes.append(np.unique(numbers.value_lengths().to_numpy(zero_copy_only=False)))
+    if any(len(size) != 1 for size in sizes):
         raise DatasetError("rasters of a dataset have different grids; build it again")
-    parts = np.split(values, ends[:-1])
-    return [part.reshape(-1, CHANNELS_PER_LAYER, grid, grid) for part in parts]
+    channels, rows, cols = (int(size[0]) for size in sizes)
+    values = numbers.flatten().to_numpy(zero_copy_only=False)
+    parts = np.split(values, np.cumsum(layers)[:-1] * channels * rows * cols)
+    return [part.reshape(-1, channels, rows, cols) for part in parts]
 
 
 def parse_patterns(texts: Sequence[str], folder: str | Path) -> list[Pattern]:

@@ -23,8 +23,8 @@ from garmentimage.raster.encode import encode
 from garmentimage.render import png_bytes
 from garmentimage.render.worn import Look, map_bytes, photograph
 
-SCHEMA = 2
-"""Version of the columns and metadata of a shard."""
+SCHEMA = 3
+"""Version of the columns and metadata of a shard. Rasters of version 2 have channel contract 1."""
 NONDETERMINISTIC = ("seconds",)
 """Fields of a drape report that differ between runs."""
 _LOOK, _BODY, _FABRIC = range(3)
@@ -87,7 +87,7 @@ def make_row(task: RowTask) -> dict[str, Any] | FailedRow:
 
     Returns:
         `id`, `recipe`, `version`, `type`, `kind`, `seed`, `index`, `split`, `body`, `fabric`,
-        `parameters` and `pattern` (JSON), `captions`, `raster` (float32, layer x 17 x N x N), and,
+        `parameters` and `pattern` (JSON), `captions`, `raster` (float32, layer x 26 x N x N), and,
         where the recipe has pictures: `pictures` (PNG bytes by view), `panels` (the mask of the
         first view as PNG bytes) and `report` (JSON).
     """
@@ -99,7 +99,7 @@ def make_row(task: RowTask) -> dict[str, Any] | FailedRow:
         stage = "encode"
         image = encode(garment.pattern, task.grid)
         row = _metadata(task, garment, body, fabric)
-        channels = image.to_channels()
+        channels = image.to_channels(2)
         row["raster"] = channels.reshape(image.layers, -1, task.grid, task.grid)
         stage = "drape"
         if recipe.views:

@@ -18,8 +18,10 @@ import pyarrow.parquet as pq
 from garmentimage.dataset.recipe import Recipe
 from garmentimage.dataset.row import SCHEMA, FailedRow
 from garmentimage.errors import DatasetError
+from garmentimage.raster import CONTRACT_2
 
 METADATA_KEY = b"garmentimage"
+READ_SCHEMAS = (2, SCHEMA)
 ROW_GROUP = 50
 """Rows of a row group, which is read at a time."""
 _TEXTS = (
@@ -39,7 +41,7 @@ def schema(recipe: Recipe, grid: int) -> pa.Schema:
     features: dict[str, Any] = {name: _value(str(kind)) for name, kind in fields[:-2]}
     features["captions"] = {"feature": _value("string"), "_type": "List"}
     features["raster"] = {
-        "shape": [None, 17, grid, grid], "dtype": "float32", "_type": "Array4D",
+        "shape": [None, CONTRACT_2.channels_per_layer, grid, grid], "dtype": "float32", "_type": "Array4D",
     }  # fmt: skip
     for name in picture_columns(recipe):
         fields.append((name, _PICTURE))
@@ -118,8 +120,11 @@ def parse_metadata(schema: pa.Schema) -> ShardMetadata:
         raise DatasetError(
             "not a shard of this version of garmentimage; remove it and build again"
         ) from None
-    if version != SCHEMA:
-        raise DatasetError(f"is a shard of version {version!r}; this garmentimage reads {SCHEMA}")
+    if version not in READ_SCHEMAS:
+        raise DatasetError(
+            f"is a shard of version {version!r}; this garmentimage reads {min(READ_SCHEMAS)} to "
+            f"{max(READ_SCHEMAS)}"
+        )
     return metadata
 
 

@@ -18,7 +18,7 @@ from garmentimage.system import did_you_mean, shown_path
 class RowStream(IterableDataset[dict[str, Any]]):
     """The rows of a split, for a `DataLoader` with any number of workers.
 
-    Each row is a dict: `raster` a float32 tensor (layer, 17, N, N), pictures uint8 tensors
+    Each row is a dict: `raster` a float32 tensor (layer, 26, N, N), pictures uint8 tensors
     (3, row, col), `panels` a uint8 tensor (row, col), all else as it is in the dataset.
 
     Args:

@@ -47,7 +47,7 @@ class RasterCodec(Codec):
 
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of some garments."""
-        images = [encode(pattern, self.space.grid).to_channels() for pattern in patterns]
+        images = [self.space.image(pattern).to_channels() for pattern in patterns]
         return self.space.encode_channels(np.stack(images))
 
     def symmetrised_for(self, pattern: Pattern) -> "RasterCodec":
@@ -71,7 +71,7 @@ class PlainCodec(Codec):
 
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """All channels of some garments."""
-        return np.stack([encode(each, self.grid).to_channels().ravel() for each in patterns])
+        return np.stack([encode(each, self.grid).to_channels(2).ravel() for each in patterns])
 
     def decode(self, z: Latent) -> DecodedGarment:
         """The garment of a linear combination of channels.
@@ -79,11 +79,13 @@ class PlainCodec(Codec):
         Flags and edge types are shares; if several garments have cloth in a cell, its edge vectors
         are their mean.
         """
-        flags, types, vectors = split_channels(z.reshape(-1, self.grid, self.grid))
+        flags, types, vectors, turned = split_channels(z.reshape(-1, self.grid, self.grid))
         vectors = vectors / np.maximum(flags, 0.5)[:, None, None]
         shares = types.clip(0)
         shares = shares / shares.sum(axis=2, keepdims=True)
-        return decoded_garment(z, join_channels(flags.clip(0, 1), shares, vectors), "full")
+        assert turned is not None  # of contract 2
+        joined = join_channels(flags.clip(0, 1), shares, vectors, turned.clip(0, 1))
+        return decoded_garment(z, joined, "full")
 
 
 class VectorCodec(Codec):

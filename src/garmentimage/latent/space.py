@@ -106,14 +106,17 @@ class LatentSpace:
             LearnError: an image of another grid, or of more than one cloth layer.
             EncodeError: a pattern that does not fit the grid.
         """
-        z: Latent = self.encode_channels(self.image(source).to_channels()[None])[0]
+        z: Latent = self.encode_channels(self.image(source).to_channels(1)[None])[0]
         return z
 
     def image(self, source: Pattern | GarmentImage) -> GarmentImage:
         """The image of a garment, checked as input of this network.
 
+        Panels that wrap round the body are cut in a front and a back part, as it knows them.
+
         Raises:
-            LearnError: an image of another grid, of more than one cloth layer, or without cloth.
+            LearnError: an image of another grid, of more than one cloth layer, without cloth, or
+                with turned panels.
             EncodeError: a pattern that does not fit the grid.
         """
         if not isinstance(source, Pattern | GarmentImage):
@@ -133,7 +136,12 @@ class LatentSpace:
             raise LearnError(
                 f"an image with an edge vector of more than {MAX_EDGE_CM:g} cm; give it in cm"
             )
-        return image
+        if image.turned.any():
+            raise LearnError(
+                "a garment with panels that are sewn right side to wrong side, as collars and "
+                "lapels are; this network was trained on none"
+            )
+        return image.cut_at_wraps()
 
     def encode_channels(
         self, channels: Float32[np.ndarray, "n 34 row col"]
@@ -153,7 +161,7 @@ class LatentSpace:
 
         Decoded images are then averaged with their mirror images.
         """
-        channels = image.to_channels()[None]
+        channels = image.cut_at_wraps().to_channels()[None]
         found = copy(self)
         found.is_symmetric = bool(
             np.abs(channels - mirrored_channels(channels)).max() < SYMMETRY_TOLERANCE_CM

@@ -32,7 +32,7 @@ class DecodedGarment:
 
 
 def decoded_garment(
-    z: Latent, channels: Float32[np.ndarray, "34 row col"], repair_level: RepairLevel
+    z: Latent, channels: Float32[np.ndarray, "channel row col"], repair_level: RepairLevel
 ) -> DecodedGarment:
     """Repair, decode and check the output of a network, which may be any image.
 

@@ -204,7 +204,7 @@ def _certainties(
     channels: Float32[np.ndarray, "34 row col"],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of each cell: certainty of its flag, and of its edge types, and whether it may be inside."""
-    inside, types, _ = split_channels(channels)
+    inside, types, _, _ = split_channels(channels)
     return np.abs(2 * inside - 1), types.max(axis=2).mean(axis=1), inside > MIN_INSIDE
 
 

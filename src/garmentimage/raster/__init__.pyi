@@ -1,9 +1,11 @@
 from .channels import (
     CHANNEL_CONTRACT as CHANNEL_CONTRACT,
     CHANNELS_PER_LAYER as CHANNELS_PER_LAYER,
+    CONTRACT_2 as CONTRACT_2,
     EDGE_TYPE_COUNT as EDGE_TYPE_COUNT,
     join_channels as join_channels,
     split_channels as split_channels,
+    with_contract as with_contract,
 )
 from .files import (
     image_bytes as image_bytes,

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 import numpy as np
-from jaxtyping import Bool, Float64, Integer
+from jaxtyping import Bool, Float, Float64, Integer
 
 from garmentimage.errors import ImageError
 
@@ -25,6 +25,8 @@ VECTOR_COUNT = 4  # edge vectors of a cell
 
 MIN_GRID, MAX_GRID = 4, 256  # smallest and largest grid that files may have
 MAX_LAYERS = 16
+
+_FRONT_TO_BACK, _WRAP = 2, 4  # of `EdgeType`, which is made of what is here
 
 Array = TypeVar("Array")  # a numpy array or a torch tensor
 
@@ -125,6 +127,31 @@ def join_channels(
 
         joined = cat(parts, dim=-3)
     return joined.reshape(*images, layers * joined.shape[-3], rows, cols)  # type: ignore[no-any-return]
+
+
+def with_contract(
+    channels: Float[np.ndarray, "*n channel row col"], number: Contract
+) -> Float[np.ndarray, "*n converted row col"]:
+    """Channels of one contract in the order of another; shares stay shares.
+
+    From contract 2 to 1, cloth that wraps round has a seam there, front to back.
+
+    Raises:
+        ImageError: contract 1 has no channels for what is turned.
+    """
+    wanted = CONTRACTS[number]
+    flags, types, vectors, turned = split_channels(channels)
+    if types.shape[-3] == wanted.edge_type_count:
+        return channels
+    if turned is None:
+        more = (*types.shape[:-3], wanted.edge_type_count - types.shape[-3], *types.shape[-2:])
+        types = np.concatenate([types, np.zeros(more, types.dtype)], axis=-3)
+        return join_channels(flags, types, vectors, np.zeros_like(flags))
+    if turned.any():
+        raise ImageError("contract 1 has no channels for panels that are turned; use contract 2")
+    kept = types[..., : wanted.edge_type_count, :, :].copy()
+    kept[..., _FRONT_TO_BACK, :, :] += types[..., _WRAP, :, :]
+    return join_channels(flags, kept, vectors)
 
 
 def one_hot(

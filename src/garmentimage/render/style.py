@@ -17,6 +17,7 @@ TYPE_COLOURS = {
     EdgeType.NON_STITCH: INK,
     EdgeType.FRONT_TO_BACK: "#d55e00",
     EdgeType.SIDE_BY_SIDE: "#0072b2",
+    EdgeType.WRAP: "#009e73",
 }
 """Grid edges by type (Okabe and Ito: distinct for any colour vision)."""
 
@@ -24,6 +25,7 @@ TYPE_NAMES = {
     EdgeType.NON_STITCH: "not sewn",
     EdgeType.FRONT_TO_BACK: "front to back",
     EdgeType.SIDE_BY_SIDE: "side by side",
+    EdgeType.WRAP: "cloth goes on",
 }
 
 SEAM_COLOURS = (
@@ -33,6 +35,10 @@ SEAM_COLOURS = (
 """Seams in turn (Okabe and Ito, Tol); the number beside a seam settles what colour cannot."""
 
 NAME_LIMIT = 28  # longest name that is written out
+
+
+TURNED_HATCH = "////"
+"""Over cloth whose wrong side is out."""
 
 
 def layer_tint(layer: int) -> str:

@@ -10,9 +10,15 @@ from jaxtyping import Float, Float32, Int8
 from torch import Tensor
 
 from garmentimage.dataset import raster_arrays, read_tables
-from garmentimage.errors import DatasetError
+from garmentimage.errors import DatasetError, ImageError
 from garmentimage.learn.data.rows import TensorRows, join_rows
-from garmentimage.raster import CHANNELS_PER_LAYER, EDGE_TYPE_COUNT, BodyFrame, split_channels
+from garmentimage.raster import (
+    CHANNELS_PER_LAYER,
+    EDGE_TYPE_COUNT,
+    BodyFrame,
+    split_channels,
+    with_contract,
+)
 from garmentimage.system import shown_path
 
 LAYERS = 2
@@ -89,13 +95,23 @@ def column_rasters(column: Any, folder: str | Path) -> Rasters:
     images = raster_arrays(column)
     if any(len(image) != LAYERS for image in images):
         raise DatasetError(f"{shown_path(folder)}: has garments of more than one cloth layer")
-    return rasters_from_channels(np.stack(images))
+    try:
+        return rasters_from_channels(np.stack(images))
+    except ImageError as error:
+        raise DatasetError(f"{shown_path(folder)}: {error}") from None
 
 
-def rasters_from_channels(channels: Float[np.ndarray, "n 2 17 row col"]) -> Rasters:
-    """Rasters of channels in the order of `GarmentImage.to_channels`, layer by layer."""
+def rasters_from_channels(channels: Float[np.ndarray, "n 2 channel row col"]) -> Rasters:
+    """Rasters of channels in the order of `GarmentImage.to_channels`, layer by layer.
+
+    Panels that wrap round the body are cut in a front and a back part.
+
+    Raises:
+        ImageError: there are turned panels.
+    """
     count, grid = len(channels), channels.shape[-1]
-    flags, one_hot, edges = split_channels(channels.reshape(count, INPUT_CHANNELS, grid, grid))
+    plain = with_contract(channels.reshape(count, -1, grid, grid), 1)
+    flags, one_hot, edges, _ = split_channels(plain)
     inside = flags > 0.5
     types = one_hot.argmax(3).reshape(count, 2 * LAYERS, grid, grid)
     rest = rest_vectors(grid).reshape(4, 2, grid, grid)

@@ -167,7 +167,7 @@ def image_losses(
 
 def network_inputs(channels: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
     """Channels in the order of `GarmentImage.to_channels`, in the order of `Rasters.inputs`."""
-    inside, types, edges = split_channels(channels)
+    inside, types, edges, _ = split_channels(channels)
     rest = torch.from_numpy(rest_vectors(channels.shape[-1])).to(channels).unflatten(0, (4, 2))
     vectors = (edges - rest) / VECTOR_CM * inside[:, :, None, None]
     return torch.cat([inside, types.flatten(1, 3), vectors.flatten(1, 3)], 1)

@@ -7,9 +7,11 @@ from jaxtyping import Float
 
 from garmentimage.raster import BOTTOM, LEFT, EdgeType, GarmentImage
 from garmentimage.render.style import (
+    FAINT,
     GRID_LINE,
     INK,
     PAPER,
+    TURNED_HATCH,
     TYPE_COLOURS,
     TYPE_NAMES,
     layer_tint,
@@ -118,10 +120,17 @@ def _draw_flags(image: GarmentImage, layer: int, ax: "Axes") -> None:
 
     rows, cols = np.nonzero(image.inside[layer])
     corner = np.stack([cols, rows], axis=1) + _origin(image, layer)
-    cells, tint, width = list(corner[:, None] + _SQUARE), layer_tint(layer), 0.5 * _stroke(image)
+    cells, tint, width = corner[:, None] + _SQUARE, layer_tint(layer), 0.5 * _stroke(image)
     ax.add_collection(
-        PolyCollection(cells, facecolors=tint, edgecolors=PAPER, linewidths=width, zorder=1)
+        PolyCollection(list(cells), facecolors=tint, edgecolors=PAPER, linewidths=width, zorder=1)
     )
+    turned = list(cells[image.turned[layer][rows, cols]])
+    if turned:
+        ax.add_collection(
+            PolyCollection(
+                turned, facecolors="none", edgecolors=FAINT, hatch=TURNED_HATCH, lw=0, zorder=1.5
+            )
+        )
 
 
 def _draw_types(image: GarmentImage, layer: int, ax: "Axes") -> None:
@@ -143,11 +152,20 @@ def _draw_types(image: GarmentImage, layer: int, ax: "Axes") -> None:
 def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
     width = float(_origin(image, image.layers - 1)[0]) + image.grid
     y = -0.07 * image.grid
-    for k, (edge_type, colour) in enumerate(TYPE_COLOURS.items()):
-        x = width / 2 + (k - 1) * image.grid * 0.62 - 0.26 * image.grid
-        ax.plot([x, x + 0.07 * image.grid], [y, y], color=colour, linewidth=2.3)
-        x += 0.1 * image.grid
-        write(ax, x, y, TYPE_NAMES[edge_type], color=INK, fontsize=6.5, ha="left")
+    wraps = (image.edge_type == EdgeType.WRAP).any()
+    shown = [kind for kind in TYPE_COLOURS if wraps or kind != EdgeType.WRAP]
+    entries = [*shown, None] if image.turned.any() else shown
+    step = 0.62 if len(entries) == 3 else 0.5
+    for k, kind in enumerate(entries):
+        x = width / 2 + (k - (len(entries) - 1) / 2) * image.grid * step - 0.26 * image.grid
+        length = 0.07 * image.grid
+        if kind is None:
+            ax.fill_between([x, x + length], y - 0.02 * image.grid, y + 0.02 * image.grid,
+                            facecolor="none", edgecolor=FAINT, hatch=TURNED_HATCH, lw=0)  # fmt: skip
+        else:
+            ax.plot([x, x + length], [y, y], color=TYPE_COLOURS[kind], linewidth=2.3)
+        name = "wrong side out" if kind is None else TYPE_NAMES[kind]
+        write(ax, x + 0.1 * image.grid, y, name, color=INK, fontsize=6.5, ha="left")
     _write_below(image, ax, 0.14, LEGEND_NOTE)
 
 
