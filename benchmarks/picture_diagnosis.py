@@ -187,7 +187,7 @@ def by_shares(data: Path, network: str | Path) -> dict[str, Any]:
 
 def freed(channels: Float32[np.ndarray, "34 row col"], weight: float) -> np.ndarray:
     """The same, as if boundaries had not had a weight in training."""
-    flags, types, vectors = split_channels(channels)
+    flags, types, vectors, _ = split_channels(channels)
     shares = types.copy()
     shares[:, :, 0] *= weight
     return join_channels(flags, shares / shares.sum(axis=2, keepdims=True), vectors)

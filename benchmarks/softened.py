@@ -140,7 +140,7 @@ def softened(
     image: gi.GarmentImage, share: float, rng: np.random.Generator | None = None
 ) -> np.ndarray:
     """Channels in which all that is true has a share; `rng` draws noise for their logits."""
-    flags, types, vectors = split_channels(image.to_channels().astype(float))
+    flags, types, vectors, _ = split_channels(image.to_channels().astype(float))
     rest = (1 - share) / (EDGE_TYPE_COUNT - 1)
     odds = (2 * flags - 1) * np.log(share / (1 - share))
     each = np.log(np.where(types > 0.5, share, rest))

@@ -22,7 +22,7 @@ def numbered(*images: int, layers: int = 2, grid: int = 4) -> np.ndarray:
 @pytest.mark.parametrize("layers", [1, 2, 4])
 def test_joining_undoes_splitting(images, layers):
     channels = numbered(*images, layers=layers)
-    flags, types, vectors = split_channels(channels)
+    flags, types, vectors, _ = split_channels(channels)
     assert flags.shape == (*images, layers, 4, 4)
     assert types.shape == (*images, layers, 2, EDGE_TYPE_COUNT, 4, 4)
     assert vectors.shape == (*images, layers, 4, 2, 4, 4)
@@ -32,7 +32,7 @@ def test_joining_undoes_splitting(images, layers):
 
 def test_channels_stand_where_the_documents_say():
     channels = numbered()
-    flags, types, vectors = split_channels(channels)
+    flags, types, vectors, _ = split_channels(channels)
     assert np.array_equal(flags[1], channels[17])
     assert np.array_equal(types[0, 0], channels[1:5]) and np.array_equal(types[0, 1], channels[5:9])
     assert np.array_equal(vectors[1, 3], channels[17 + 15 : 17 + 17])

@@ -27,7 +27,7 @@ nothing draws that of logits to 1."""
 
 
 def resolve_channel_kind(
-    parts: ChannelParts[np.ndarray], kind: ChannelKind | None
+    parts: ChannelParts, kind: ChannelKind | None
 ) -> ChannelKind:
     """The given kind; or what numbers are, judged by all of them, so that no outlier decides.
 
@@ -54,13 +54,13 @@ def are_channels(types: Float[np.ndarray, "layer 2 type row col"]) -> bool:
     return bool(is_near_one and (beyond > CHANNEL_SLACK).mean() <= MAX_CHANNEL_OUTLIERS)
 
 
-def is_binary(parts: ChannelParts[np.ndarray]) -> bool:
+def is_binary(parts: ChannelParts) -> bool:
     """Whether all flags and types are 0 or 1, so that there is nothing to guess."""
     numbers = _decided(parts)
     return bool(((numbers == 0) | (numbers == 1)).all())
 
 
-def _decided(parts: ChannelParts[np.ndarray]) -> Float[np.ndarray, " number"]:
+def _decided(parts: ChannelParts) -> Float[np.ndarray, " number"]:
     """All numbers that stand for decisions: those of flags and types."""
     decided = (parts.flags, parts.types, parts.turned)
     return np.concatenate([each.ravel() for each in decided if each is not None])

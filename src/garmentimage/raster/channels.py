@@ -14,7 +14,7 @@ values but `check_channels`.
 """
 
 from dataclasses import dataclass
-from typing import Any, Generic, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Integer
@@ -55,16 +55,16 @@ EDGE_TYPE_COUNT = CONTRACT_1.edge_type_count
 CHANNEL_CONTRACT = CONTRACT_1.name
 
 
-class ChannelParts(NamedTuple, Generic[Array]):
-    """What the channels of an image, or of several, hold."""
+class ChannelParts(NamedTuple):
+    """What the channels of an image, or of several, hold: arrays or tensors, as they were given."""
 
-    flags: Array
+    flags: Any
     """[..., layer, row, col]."""
-    types: Array
+    types: Any
     """[..., layer, 2, type, row, col], of the bottom and the left grid edge."""
-    vectors: Array
+    vectors: Any
     """[..., layer, 4, 2, row, col]."""
-    turned: Array | None
+    turned: Any
     """[..., layer, row, col]; None in contract 1."""
 
 
@@ -83,7 +83,7 @@ def contract_of(channel_count: int) -> ChannelContract:
     raise ImageError(f"{channel_count} channels; each layer has {each} ({two} for two)")
 
 
-def split_channels(channels: Array) -> ChannelParts[Array]:
+def split_channels(channels: Array) -> ChannelParts:
     """Flags, edge types and edge vectors of images; views where the memory allows.
 
     Args:

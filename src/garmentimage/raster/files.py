@@ -169,10 +169,10 @@ def _from_arrays(arrays: dict[str, np.ndarray], stem: str) -> GarmentImage:
     inside, edge_type, deformation = (arrays[k] for k in ("inside", "edge_type", "deformation"))
     layers, grid = _size(inside)
     version = meta["version"]
-    turned = _turned(arrays, version)
+    turned = np.zeros_like(inside) if version == 1 else _added(arrays, "turned", version)
     for name, array, shape, kinds in (
         ("inside", inside, (layers, grid, grid), "b"),
-        ("turned", inside if turned is None else turned, (layers, grid, grid), "b"),
+        ("turned", turned, (layers, grid, grid), "b"),
         ("edge_type", edge_type, (layers, 2, grid, grid), "iu"),
         ("deformation", deformation, (layers, 4, 2, grid, grid), "f"),
         ("columns", arrays["columns"], (grid + 1,), "f"),
@@ -203,16 +203,14 @@ def _from_arrays(arrays: dict[str, np.ndarray], stem: str) -> GarmentImage:
         layer_names=tuple(read_text(n) for n in names),
         marks=tuple(mark_from_json(mark, layers, grid) for mark in marks),
         name=read_text(meta.get("name", "")) or stem,
-        turned=None if turned is None else turned & inside,
+        turned=turned & inside,
     )
 
 
-def _turned(arrays: dict[str, np.ndarray], version: int) -> np.ndarray | None:
-    if version == 1:
-        return None
-    if "turned" not in arrays:
-        raise ImageError("not a GarmentImage of version 2, the array 'turned' is missing")
-    return arrays["turned"]
+def _added(arrays: dict[str, np.ndarray], name: str, version: int) -> np.ndarray:
+    if name not in arrays:
+        raise ImageError(f"not a GarmentImage of version {version}, the array {name!r} is missing")
+    return arrays[name]
 
 
 def _size(inside: np.ndarray) -> tuple[int, int]:

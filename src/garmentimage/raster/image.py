@@ -74,6 +74,9 @@ class PanelMark:
     """Vertices of a traced outline, where the raster has one edge: decoding puts them back."""
 
 
+_NOWHERE = np.zeros((0, 0, 0), bool)  # stands for flags that are all False
+
+
 @dataclass(frozen=True)
 class GarmentImage:
     """A garment on a grid: flags, edge types, deformation."""
@@ -88,14 +91,14 @@ class GarmentImage:
     layer_names: tuple[str, ...] = ("front", "back")
     marks: tuple[PanelMark, ...] = ()
     name: str = field(default="", compare=False)
-    turned: Bool[np.ndarray, "layer row col"] = None  # type: ignore[assignment]
+    turned: Bool[np.ndarray, "layer row col"] = field(default_factory=lambda: _NOWHERE)
     """The wrong side of the cloth is out, as drawn: a collar or lapel laid open. Default: nowhere.
     False outside."""
 
     def __post_init__(self) -> None:
         layers = len(self.inside)
         grid = self.frame.grid
-        if self.turned is None:
+        if self.turned is _NOWHERE:
             object.__setattr__(self, "turned", np.zeros_like(self.inside))
         arrays = (self.inside, self.turned, self.edge_type, self.deformation)
         shapes = tuple(array.shape for array in arrays)
@@ -214,7 +217,8 @@ class GarmentImage:
         layers, grid = len(flags), flags.shape[-1]
         threshold = 0.0 if resolve_channel_kind(parts, kind) == "logits" else 0.5
         inside = flags > threshold
-        turned = inside & (parts.turned > threshold) if parts.turned is not None else None
+        has_turned = parts.turned is not None
+        turned = inside & (parts.turned > threshold) if has_turned else np.zeros_like(inside)
         edge_type = types[:, :, : len(EdgeType)].argmax(axis=2).astype(np.int8)
         deformation = np.where(inside[:, None, None], vectors, 0.0).astype(np.float32)
         if like is None:

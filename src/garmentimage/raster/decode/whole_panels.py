@@ -52,13 +52,11 @@ def wrapped_place(
     gone = first & before.wraps & (after.following == NONE)
     cut = np.concatenate([before.tail[gone], before.head[gone]])
     outward = np.sign(matrix @ (cut.mean(axis=0) - before.tail[first].mean(axis=0)))
-    along = np.ptp(cut @ matrix.T, axis=0)
-    x, y = matrix @ turn.T
-    # What lies nearer to the body's axis is, in front, farther forward.
-    if along[1] >= along[0]:
-        axes = np.stack([np.zeros(2), y, -outward[0] * x])
-    else:
-        axes = np.stack([x, np.zeros(2), -outward[1] * y])
+    width, height = np.ptp(cut @ matrix.T, axis=0)
+    (x, y), none = np.eye(2), np.zeros(2)
+    # The front part lies on the near side of the cut: what it has farther inward is farther forward.
+    upright = [none, y, -outward[0] * x] if height >= width else [x, none, -outward[1] * y]
+    axes = np.stack(upright)
     return WrappedPlace(
         turn=turn,
         rotation=np.column_stack([axes, np.cross(axes[:, 0], axes[:, 1])]),

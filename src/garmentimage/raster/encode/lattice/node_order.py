@@ -6,7 +6,7 @@ narrows to a point: its two edges cross there. Then their first steps are turned
 drawing begins with the right order; where they lead stays.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import tau
 
 import numpy as np
@@ -14,6 +14,9 @@ from jaxtyping import Float
 
 from garmentimage.geometry import signed_area
 from garmentimage.raster.encode.layout import SeamGraph
+
+STEPS = (1, 2)
+"""Points of a curve, counted from its node, by which its direction there is judged."""
 
 End = tuple[int, bool]
 """(arc, at its head): an end of an arc, seen as leaving its node."""
@@ -29,8 +32,8 @@ def with_node_order(graph: SeamGraph, curves: Curves) -> Curves:
     for layer in (0, 1):
         after = _following_ends(graph, layer)
         for ends in _ends_by_node(graph, layer).values():
-            if len(ends) > 2:
-                _put_in_order(graph, found, ends, after)
+            for step in STEPS if len(ends) > 2 else ():
+                _put_in_order(graph, found, ends, after, step)
     return tuple(found)
 
 
@@ -65,10 +68,14 @@ def _following_ends(graph: SeamGraph, layer: int) -> dict[End, End]:
 
 
 def _put_in_order(
-    graph: SeamGraph, curves: list[np.ndarray], ends: Sequence[End], after: dict[End, End]
+    graph: SeamGraph,
+    curves: list[np.ndarray],
+    ends: Sequence[End],
+    after: Mapping[End, End],
+    step: int,
 ) -> None:
-    """Turn the first steps at one node, in place, if they are in another order."""
-    angle = {end: _angle(curves, end) for end in ends}
+    """Turn points at one node, in place, if they are in another order."""
+    angle = {end: _angle(curves, end, step) for end in ends}
     begun = set(after.values())
     fans = [[end] for end in ends if end not in begun] or [[min(ends)]]
     for fan in fans:
@@ -89,15 +96,17 @@ def _put_in_order(
     for end, turn in changed:
         arc, at_head = end
         curve = curves[arc].copy()
-        tip, near = (-1, -2) if at_head else (0, 1)
-        step = curve[near] - curve[tip]
+        tip, near = (-1, -1 - step) if at_head else (0, step)
+        if len(curve) <= step + 1:
+            continue  # its other end is not turned
         cos, sin = np.cos(turn), np.sin(turn)
-        curve[near] = curve[tip] + np.array([[cos, -sin], [sin, cos]]) @ step
+        turned = np.array([[cos, -sin], [sin, cos]]) @ (curve[near] - curve[tip])
+        curve[near] = curve[tip] + turned
         curves[arc] = curve
 
 
-def _angle(curves: Sequence[np.ndarray], end: End) -> float:
+def _angle(curves: Sequence[np.ndarray], end: End, step: int) -> float:
     arc, at_head = end
     curve = curves[arc][::-1] if at_head else curves[arc]
-    x, y = curve[1] - curve[0]
+    x, y = curve[min(step, len(curve) - 1)] - curve[0]
     return float(np.arctan2(y, x))
