@@ -14,7 +14,7 @@ from garmentimage.compare import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
 from garmentimage.pattern import Pattern, lay_open, turned_round
 from garmentimage.pattern.checks import unknown_place
-from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
+from garmentimage.raster.encode.lattice import Path, check_nodes, drawings, lost_shape, trials
 from garmentimage.raster.encode.layout import Layout, SeamGraph, build_seam_graph, layouts
 from garmentimage.raster.encode.placement import Placed, place
 from garmentimage.raster.encode.proof import Bows, Disproof, disproof
@@ -96,9 +96,9 @@ def _encoded_plainly(
             raise EncodeError("all its panels face the body", remedy="pattern")
         pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
         placed = place(pattern)
-    candidates = _CachedLayouts(
-        layouts(build_seam_graph(placed), lambda: unknown_place(pattern) is None)
-    )
+    graph = build_seam_graph(placed)
+    check_nodes(graph)
+    candidates = _CachedLayouts(layouts(graph, lambda: unknown_place(pattern) is None))
     expected = stitch_graph(pattern) if verify else None
     try:
         return _encode(pattern, expected, candidates, frame or BodyFrame.standard(grid))

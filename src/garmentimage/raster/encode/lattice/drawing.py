@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float, Int
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import polyline_length, signed_area
 from garmentimage.raster.encode.lattice._kernels_chords import chord_loss_kernel
-from garmentimage.raster.encode.lattice.node_order import with_node_order
+from garmentimage.raster.encode.lattice.node_order import MAX_DEGREE, with_node_order
 from garmentimage.raster.encode.layout import Layout, trunk_share
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
@@ -36,8 +36,6 @@ MAX_REQUIRED_EDGES = (6, 3, 2, 1)
 """Grid edges that an arc may require, tried in turn until the grid has room."""
 SHORT_ARC = 4.0
 """Arcs shorter than this [cm] desire one grid edge."""
-MAX_DEGREE = 4
-"""Arcs of one layer that can leave a lattice vertex."""
 LIMB_WEIGHT = 0.02
 """Weight of the targets of sleeves and hoods, next to 1 for the trunk: where both need a grid
 line, the sleeve gives it up, and the trunk looks the same with it as without."""

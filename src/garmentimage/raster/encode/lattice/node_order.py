@@ -12,8 +12,13 @@ from math import tau
 import numpy as np
 from jaxtyping import Float
 
+from garmentimage.errors import EncodeError, quoted
 from garmentimage.geometry import signed_area
 from garmentimage.raster.encode.layout import SeamGraph
+from garmentimage.raster.image import EdgeType
+
+MAX_DEGREE = 4
+"""Arcs of one layer that can leave a lattice vertex."""
 
 STEPS = (1, 2)
 """Points of a curve, counted from its node, by which its direction there is judged."""
@@ -35,6 +40,37 @@ def with_node_order(graph: SeamGraph, curves: Curves) -> Curves:
             for step in STEPS if len(ends) > 2 else ():
                 _put_in_order(graph, found, ends, after, step)
     return tuple(found)
+
+
+def check_nodes(graph: SeamGraph) -> None:
+    """Refuse a garment with a point where more seams meet than any drawing has room for.
+
+    A lattice point has four grid edges. Two free edges on either side of an opening can share one.
+
+    Raises:
+        EncodeError: names the panels that meet there.
+    """
+    for layer in (0, 1):
+        after = _following_ends(graph, layer)
+        for ends in _ends_by_node(graph, layer).values():
+            if len(ends) <= MAX_DEGREE:
+                continue
+            fans = _fans(ends, after)
+            openings = min(sum(_is_free(graph, fan[k]) for fan in fans) for k in (0, -1))
+            if len(ends) - openings > MAX_DEGREE:
+                arcs = [graph.arcs[arc] for arc, _ in ends]
+                panels = graph.placed.panels
+                names = sorted({panels[side[0]].source for arc in arcs for side in arc.sides})
+                raise EncodeError(
+                    f"{len(ends)} seams meet in one point, of panels "
+                    f"{', '.join(map(quoted, names))}; a lattice point has room for {MAX_DEGREE}: "
+                    "let one of them end elsewhere",
+                    remedy="pattern",
+                )
+
+
+def _is_free(graph: SeamGraph, end: End) -> bool:
+    return graph.arcs[end[0]].kind == EdgeType.NON_STITCH
 
 
 def _ends_by_node(graph: SeamGraph, layer: int) -> dict[int, list[End]]:
@@ -67,6 +103,19 @@ def _following_ends(graph: SeamGraph, layer: int) -> dict[End, End]:
     return after
 
 
+def _fans(ends: Sequence[End], after: Mapping[End, End]) -> list[list[End]]:
+    """Ends round a node in chains, counter-clockwise, with cloth between each and the next.
+
+    Where cloth goes all round, the only chain begins anywhere.
+    """
+    begun = set(after.values())
+    fans = [[end] for end in ends if end not in begun] or [[min(ends)]]
+    for fan in fans:
+        while (following := after.get(fan[-1])) is not None and following not in fan:
+            fan.append(following)
+    return fans
+
+
 def _put_in_order(
     graph: SeamGraph,
     curves: list[np.ndarray],
@@ -76,11 +125,7 @@ def _put_in_order(
 ) -> None:
     """Turn points at one node, in place, if they are in another order."""
     angle = {end: _angle(curves, end, step) for end in ends}
-    begun = set(after.values())
-    fans = [[end] for end in ends if end not in begun] or [[min(ends)]]
-    for fan in fans:
-        while (following := after.get(fan[-1])) is not None and following not in fan:
-            fan.append(following)
+    fans = _fans(ends, after)
     order = [end for fan in sorted(fans, key=lambda fan: angle[fan[0]]) for end in fan]
     if len(order) != len(ends):
         return
