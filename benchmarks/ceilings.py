@@ -4,8 +4,8 @@
 
 Every garment is encoded, and what its channels alone bring back is compared with it: a network
 that predicts the true image reaches these figures and no more. Folders hold pattern files; drafted
-garments of all kinds come first. Garments with panels that are cut to lie on both layers are
-counted apart, as their panels stay cut without marks.
+garments of all kinds come first. With `--contract 1` panels that wrap round the body are cut in two,
+as networks of that contract have them.
 """
 
 import argparse
@@ -30,8 +30,8 @@ def main() -> int:
     options = arguments()
     sources = {"drafted": list(drafted(options.count))}
     sources |= {folder.name: list(spread(folder, options.count)) for folder in options.folders}
-    told = {"grid": options.grid, **provenance(options.folders)}
-    told["sources"] = {name: ceiling(garments, options.grid) for name, garments in sources.items()}
+    told = {"grid": options.grid, "contract": options.contract, **provenance(options.folders)}
+    told["sources"] = {name: ceiling(garments, options) for name, garments in sources.items()}
     text = json.dumps(told, indent=1) + "\n"
     if options.out:
         options.out.write_text(text)
@@ -44,6 +44,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--count", type=int, default=110, help="garments of each source")
     parser.add_argument("--grid", type=int, default=16)
+    parser.add_argument("--contract", type=int, choices=(1, 2), default=2)
     parser.add_argument("-o", "--out", type=Path)
     return parser.parse_args()
 
@@ -66,24 +67,25 @@ def spread(folder: Path, count: int) -> Iterator[Pattern]:
             continue
 
 
-def ceiling(garments: list[Pattern], grid: int) -> dict:
-    """Means of all figures over the garments that can be encoded with no panel cut."""
+def ceiling(garments: list[Pattern], options: argparse.Namespace) -> dict:
+    """Means of all figures over the garments that can be encoded."""
     rows: list[dict[str, float | None]] = []
-    refused = cut = 0
+    refused = wrapped = 0
     for truth in garments:
         try:
-            image = gi.encode(truth, grid=grid)
+            image = gi.encode(truth, grid=options.grid)
+            if options.contract == 1:
+                image = image.cut_at_wraps()
+                image.to_channels(1)
         except gi.GarmentImageError:
             refused += 1
             continue
-        if any(mark.split_of is not None for mark in image.marks):
-            cut += 1
-            continue
+        wrapped += any(mark.split_of is not None for mark in image.marks)
         rows.append(figures(truth, gi.decode(image.without_marks())))
     names = list(dict.fromkeys(name for row in rows for name in row))
     known = {n: [row[n] for row in rows if row.get(n) is not None] for n in names}
     means = {n: round(float(np.nanmean(v)), 4) for n, v in known.items() if not np.isnan(v).all()}
-    return {"garments": len(garments), "refused": refused, "cut": cut, "figures": means}
+    return {"garments": len(garments), "refused": refused, "wrapped": wrapped, "figures": means}
 
 
 def figures(truth: Pattern, found: Pattern) -> dict[str, float | None]:

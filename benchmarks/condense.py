@@ -74,11 +74,11 @@ def by_garment(report: dict, folders: list[Path]) -> dict:
         pattern = json.loads(files[row["file"]].read_text())["pattern"]
         names = " ".join(sorted(pattern["panels"])).replace("cuff_skirt", "cuff")
         kind = next((kind for rule, kind in GARMENTS if re.search(rule, names)), "other")
-        told = counts.setdefault(kind, {"files": 0, "same": 0, "same_without_marks": 0, "cut": 0})
+        told = counts.setdefault(kind, {"files": 0, "same": 0, "same_without_marks": 0, "wraps": 0})
         told["files"] += 1
         told["same"] += row["with_marks"]["success"]
         told["same_without_marks"] += row["without_marks"]["success"]
-        told["cut"] += row["cut_panels"] > 0
+        told["wraps"] += row["wrapped_panels"] > 0
     return dict(sorted(counts.items()))
 
 

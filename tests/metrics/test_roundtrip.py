@@ -184,7 +184,7 @@ def reports():
     poor = RoundTrip(result_with(success=False, iou={"a": 0.6}), times={"encode": 0.15})
     error = RoundTrip(stage="encode", error="EncodeError", message="does not fit", grid=24)
     return [
-        FileReport("x/1.json", "x", good, poor, cut_panels=1),
+        FileReport("x/1.json", "x", good, poor, wrapped_panels=1),
         FileReport("x/2.json", "x", poor, poor),
         FileReport("y/1.json", "y", error, error),
     ]
@@ -194,7 +194,7 @@ def test_a_summary_has_a_row_for_each_kind_and_one_for_all(reports):
     x, y, everything = summarise(reports)
     assert (x.kind, x.files, x.successes, x.successes_without_marks) == ("x", 2, 1, 0)
     assert x.iou_mean == pytest.approx(0.86)
-    assert (x.iou_min, x.boundary_gap, x.cut_files) == (0.6, 0.3, 1)
+    assert (x.iou_min, x.boundary_gap, x.wrapped_files) == (0.6, 0.3, 1)
     assert x.encode_ms == pytest.approx(100)
     assert (y.successes, y.errors, y.iou_mean) == (0, {"EncodeError": 1}, None)
     assert (everything.kind, everything.files, everything.successes) == ("all", 3, 1)

@@ -226,8 +226,7 @@ def roundtrip(
       success   files that came back as the same garment: as many panels, each with an
                 IoU of 0.9 or more, and the same seams, as long within 2 % or 0.5 cm
       no marks  the same from the channels alone: names and places of panels removed
-      cut       files with panels that were cut to lie on front and back; without marks
-                they stay cut, so these cannot count in the column before
+      wraps     files with panels that wrap round the body, from front to back
       IoU       shared over joint area of a panel and its original, 1 is equal;
                 mean and least of all panels
       gap cm    largest distance of a boundary from the original one

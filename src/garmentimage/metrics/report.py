@@ -37,7 +37,7 @@ def report_to_json(reports: Sequence[FileReport], grid: int) -> dict[str, Any]:
             {
                 "file": report.file,
                 "kind": report.kind,
-                "cut_panels": report.cut_panels,
+                "wrapped_panels": report.wrapped_panels,
                 "is_first": report.is_first,
                 "with_marks": _trip_to_json(report.with_marks),
                 "without_marks": _trip_to_json(report.without_marks),

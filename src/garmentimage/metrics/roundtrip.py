@@ -1,9 +1,8 @@
 """Round trips: a pattern encoded as an image and decoded again, judged by `compare_patterns`.
 
 `roundtrip_file` goes through files, a saved image and a saved pattern, twice: with the marks of the
-image (names and frames of panels, which panels were cut in two) and without. Without marks the
-frame of a panel is unknown, so panels may be mirrored or rotated by quarter turns; and panels that
-were cut to lie on both layers remain cut.
+image (names, frames and places of panels) and without. Without marks the frame of a panel is
+unknown, so panels may be mirrored or rotated.
 """
 
 import json
@@ -65,8 +64,8 @@ class FileReport:
     kind: str
     with_marks: RoundTrip
     without_marks: RoundTrip
-    cut_panels: int = 0
-    """Panels that were cut to lie on both layers; without marks they remain cut."""
+    wrapped_panels: int = 0
+    """Panels that wrap round the body, from the front layer to the back."""
     is_first: bool = False
     """The first file of its process, whose times include compilation."""
 
@@ -79,8 +78,8 @@ class KindSummary:
     files: int
     successes: int
     successes_without_marks: int
-    cut_files: int
-    """Files with cut panels, which cannot succeed without marks."""
+    wrapped_files: int
+    """Files with panels that wrap round the body."""
     errors: Mapping[str, int]
     """Errors with marks, by class."""
     iou_mean: float | None
@@ -115,14 +114,14 @@ def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
             image = encode(original, grid=grid)
         with clock.step("save image"):
             save_image(image, Path(folder, "image.npz"))
-        cut = len({m.split_of for m in image.marks if m.split_of is not None})
+        wrapped = len({m.split_of for m in image.marks if m.split_of is not None})
         saved = Path(folder, "image.npz")
         there = clock.times
         with_marks = _reconstruct(original, saved, Path(folder), keep_marks=True)
         return report(
             replace(with_marks, times={**there, **with_marks.times}),
             _reconstruct(original, saved, Path(folder), keep_marks=False),
-            cut_panels=cut,
+            wrapped_panels=wrapped,
         )
     return report(failed[0], failed[0])
 
@@ -271,7 +270,7 @@ def _summary(kind: str, reports: Sequence[FileReport]) -> KindSummary:
         files=len(reports),
         successes=sum(r.with_marks.success for r in reports),
         successes_without_marks=sum(r.without_marks.success for r in reports),
-        cut_files=sum(r.cut_panels > 0 for r in reports),
+        wrapped_files=sum(r.wrapped_panels > 0 for r in reports),
         errors={name: errors.count(name) for name in errors},
         iou_mean=_mean(ious),
         iou_min=min(ious, default=None),
@@ -298,7 +297,7 @@ _COLUMNS: Mapping[str, Callable[[KindSummary], str]] = {
     "success": lambda row: str(row.successes),
     "%": lambda row: f"{100 * row.successes / row.files:.1f}" if row.files else "-",
     "no marks": lambda row: str(row.successes_without_marks),
-    "cut": lambda row: str(row.cut_files),
+    "wraps": lambda row: str(row.wrapped_files),
     "IoU mean": lambda row: _shown(row.iou_mean, 4),
     "IoU min": lambda row: _shown(row.iou_min, 4),
     "gap cm": lambda row: _shown(row.boundary_gap, 2),
