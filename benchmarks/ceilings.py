@@ -4,8 +4,8 @@
 
 Every garment is encoded, and what its channels alone bring back is compared with it: a network
 that predicts the true image reaches these figures and no more. Folders hold pattern files; drafted
-garments of all kinds come first. With `--contract 1` panels that wrap round the body are cut in two,
-as networks of that contract have them.
+garments of all kinds come first. With `--contract 1` panels that wrap round the body are cut in
+two, as networks of that contract have them.
 """
 
 import argparse

@@ -29,9 +29,7 @@ def with_lapels(jacket: Pattern, depth: float = 7.0) -> Pattern:
         x, y = ((start + end) / 2 + depth * inward).tolist()
         outline = loop_from_curves([curve, Line(curve.end, (x, y)), Line((x, y), curve.start)])
         left, up, ahead = front.translation
-        panels.append(
-            Panel(f"{side}_lapel", outline, (), (left, up, ahead + 1.0), front.rotation)
-        )
+        panels.append(Panel(f"{side}_lapel", outline, (), (left, up, ahead + 1.0), front.rotation))
         stitches.append(
             Stitch(Side(f"{side}_lapel", 0), Side(front.name, neck), same_direction=True)
         )

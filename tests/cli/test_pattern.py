@@ -333,7 +333,17 @@ def test_the_help_of_roundtrip_explains_every_column_of_its_table(capsys):
     code, out, _ = run("roundtrip", "--help", capsys=capsys)
     head = summary_table([])
     assert code == 0
-    for column in ("kind", "success", "no marks", "wraps", "IoU", "gap cm", "seams", "ms", "errors"):
+    for column in (
+        "kind",
+        "success",
+        "no marks",
+        "wraps",
+        "IoU",
+        "gap cm",
+        "seams",
+        "ms",
+        "errors",
+    ):
         assert column in head
         assert f"\n  {column}  " in out
     assert "Lost" in out

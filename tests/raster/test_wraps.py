@@ -133,9 +133,7 @@ def test_two_wraps_between_the_same_parts_leave_a_panel_and_not_a_tube():
     types[:, 1, 5, 6] = EdgeType.NON_STITCH
     deformation = np.zeros((2, 4, 2, 8, 8), np.float32)
     deformation[:, [0, 2], 0] = deformation[:, [1, 3], 1] = 10 * inside[:, None]
-    channels = np.concatenate(
-        [GarmentImage(inside, types, deformation, _frame(8)).to_channels()]
-    )
+    channels = np.concatenate([GarmentImage(inside, types, deformation, _frame(8)).to_channels()])
     found = decode(channels)
     (panel,) = found.panels
     assert panel.outline.area == pytest.approx(3200, rel=1e-3)

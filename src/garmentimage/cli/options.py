@@ -60,7 +60,12 @@ Files = Annotated[Path, Parameter(required=True)]
 """One or more positional paths."""
 Several = Annotated[tuple[str, ...], Parameter(consume_multiple=1, show_default=False)]
 """One or more words after an option, which may be repeated."""
-Grid = Annotated[Whole, Parameter(help="Cells along each side of the image.")]
+Grid = Annotated[
+    Literal["auto"] | Whole,
+    Parameter(
+        help="Cells along each side of the image; auto: the smallest of 16, 32 and 64 that fits."
+    ),
+]
 Order = Annotated[
     Literal["garmentimage", "authors"] | None,
     Parameter(help="Order of the channels of a .npy file; without it, detected from the values."),

@@ -88,7 +88,7 @@ def show(
     *files: Files,
     out: Out,
     round_trip: bool = False,
-    grid: Grid = 16,
+    grid: Grid = "auto",
     order: Order = None,
     json: Json = False,
 ) -> None:
@@ -111,7 +111,7 @@ def show(
 
 
 def _show_round_trip(
-    file: Path, sources: "list[Pattern | GarmentImage]", out: Path, grid: int
+    file: Path, sources: "list[Pattern | GarmentImage]", out: Path, grid: int | Literal["auto"]
 ) -> None:
     from garmentimage.pattern import Pattern
     from garmentimage.raster.decode import decode as decode_image
@@ -146,7 +146,7 @@ def encode(
     /,
     *,
     out: Out,
-    grid: Grid = 16,
+    grid: Grid = "auto",
     verify: Annotated[bool, Parameter(negative="--no-verify")] = True,
     json: Json = False,
 ) -> None:

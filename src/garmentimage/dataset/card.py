@@ -14,8 +14,8 @@ COLUMNS = {
     "body, fabric": "who wears it, and what it is made of",
     "pattern": "the sewing pattern, as specification JSON",
     "raster": "the GarmentImage, float32: layers (front, back) x 26 channels x N x N, row 0 at the "
-    "bottom; channels: inside, turned, types of the bottom edge (8), of the left edge (8), (dx, dy) "
-    "of the bottom, right, top and left edge [cm]",
+    "bottom; channels: inside, turned, types of the bottom edge (8), of the left edge (8), "
+    "(dx, dy) of the bottom, right, top and left edge [cm]",
     "captions": "what it is in words, from its parameters, the longest first",
 }
 PANELS = (

@@ -40,9 +40,8 @@ def schema(recipe: Recipe, grid: int) -> pa.Schema:
     fields += [("captions", pa.list_(pa.string())), ("raster", raster)]
     features: dict[str, Any] = {name: _value(str(kind)) for name, kind in fields[:-2]}
     features["captions"] = {"feature": _value("string"), "_type": "List"}
-    features["raster"] = {
-        "shape": [None, CONTRACT_2.channels_per_layer, grid, grid], "dtype": "float32", "_type": "Array4D",
-    }  # fmt: skip
+    shape = [None, CONTRACT_2.channels_per_layer, grid, grid]
+    features["raster"] = {"shape": shape, "dtype": "float32", "_type": "Array4D"}
     for name in picture_columns(recipe):
         fields.append((name, _PICTURE))
         features[name] = {"_type": "Image"}

@@ -4,7 +4,7 @@ import platform
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib import metadata
-from typing import Any
+from typing import Any, Literal
 
 from garmentimage import __version__
 from garmentimage.metrics.roundtrip import FileReport, RoundTrip, summarise
@@ -19,7 +19,7 @@ DIGITS = 6
 """Decimals of the figures in a report."""
 
 
-def report_to_json(reports: Sequence[FileReport], grid: int) -> dict[str, Any]:
+def report_to_json(reports: Sequence[FileReport], grid: int | Literal["auto"]) -> dict[str, Any]:
     """A report as plain data: grid, versions, figures for each kind, and every file.
 
     It has no path beyond a file's folder and name, so it can be kept and compared.

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -95,7 +95,7 @@ class KindSummary:
     """As `encode_ms`."""
 
 
-def roundtrip_file(path: str | Path, grid: int = 16) -> FileReport:
+def roundtrip_file(path: str | Path, grid: int | Literal["auto"] = 16) -> FileReport:
     """Round trips of one pattern file, with and without marks.
 
     Errors are reported, not raised, even those that are bugs.
@@ -188,7 +188,7 @@ class _Clock:
 
 def roundtrip_many(
     paths: Sequence[str | Path],
-    grid: int = 16,
+    grid: int | Literal["auto"] = 16,
     *,
     workers: int | None = None,
     progress: Callable[[FileReport], None] | None = None,
@@ -198,7 +198,7 @@ def roundtrip_many(
 
     Args:
         paths: pattern files.
-        grid: cells along each side.
+        grid: cells along each side, or "auto".
         workers: processes; default: one for each core. 0: this process, no time limit.
         progress: called with each report, in order of completion.
         time_limit: a file that takes longer [s] counts as an error.

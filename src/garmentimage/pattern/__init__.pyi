@@ -31,14 +31,14 @@ from .placement import (
     FRONTAL as FRONTAL,
     floor_shift as floor_shift,
 )
-from .turned import (
-    fold_over as fold_over,
-    lay_open as lay_open,
-)
 from .seam_runs import (
     STUB_CM as STUB_CM,
     SeamRun as SeamRun,
     sewn_runs as sewn_runs,
     side_loops as side_loops,
     stubs as stubs,
+)
+from .turned import (
+    fold_over as fold_over,
+    lay_open as lay_open,
 )

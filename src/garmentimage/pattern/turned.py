@@ -72,7 +72,7 @@ def fold_over(pattern: Pattern, turned: Set[str], fold: Set[str], lift: float) -
             over = turned_about(panel, mine.edge)
             moved = np.array(over.translation) + lift * _outer_face(pattern.by_name[other.panel])
             x, y, z = moved.tolist()
-            panel = replace(over, translation=(x, y, z))  # noqa: PLW2901
+            panel = replace(over, translation=(x, y, z))
         panels.append(panel)
     return turned_round(_resewn(replace(pattern, panels=tuple(panels)), turned), turned)
 

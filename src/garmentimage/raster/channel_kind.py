@@ -26,9 +26,7 @@ MAX_SUM_ERROR = 0.5
 nothing draws that of logits to 1."""
 
 
-def resolve_channel_kind(
-    parts: ChannelParts, kind: ChannelKind | None
-) -> ChannelKind:
+def resolve_channel_kind(parts: ChannelParts, kind: ChannelKind | None) -> ChannelKind:
     """The given kind; or what numbers are, judged by all of them, so that no outlier decides.
 
     Raises:

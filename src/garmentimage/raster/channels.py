@@ -109,9 +109,7 @@ def split_channels(channels: Array) -> ChannelParts:
     )
 
 
-def join_channels(
-    flags: Array, types: Array, vectors: Array, turned: Array | None = None
-) -> Array:
+def join_channels(flags: Array, types: Array, vectors: Array, turned: Array | None = None) -> Array:
     """Channels from what `split_channels` gives, of contract 2 with `turned`; a new array."""
     *images, layers, rows, cols = flags.shape  # type: ignore[attr-defined]
     parts = [

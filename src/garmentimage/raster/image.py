@@ -150,7 +150,7 @@ class GarmentImage:
 
     @property
     def contract(self) -> Contract:
-        """The smallest channel contract that holds the image: 1 where nothing wraps or is turned."""
+        """The smallest channel contract that holds it: 1 where nothing wraps or is turned."""
         plain = self.edge_type.max(initial=0) < CONTRACT_1.edge_type_count
         return 1 if plain and not self.turned.any() else 2
 
@@ -163,7 +163,9 @@ class GarmentImage:
         types = np.where(wraps, EdgeType.FRONT_TO_BACK, self.edge_type).astype(np.int8)
         return replace(self, edge_type=types)
 
-    def to_channels(self, contract: Contract | None = None) -> Float32[np.ndarray, "channel row col"]:
+    def to_channels(
+        self, contract: Contract | None = None
+    ) -> Float32[np.ndarray, "channel row col"]:
         """The network's view: 17 channels a layer in contract 1, 26 in contract 2, front first.
 
         Inside flag; in contract 2, turned flag; bottom edge one-hot (in the order of `EdgeType`);

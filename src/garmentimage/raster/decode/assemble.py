@@ -130,7 +130,7 @@ def assemble(
 
 def _is_turned(clusters: Sequence[Cluster], members: Bool[np.ndarray, " cluster"]) -> bool:
     """Whether most cells of a panel say that its wrong side is out."""
-    chosen = [clusters[k] for k in np.flatnonzero(members)]
+    chosen = [clusters[k] for k in np.flatnonzero(members).tolist()]
     votes = sum(cluster.turned_cells for cluster in chosen)
     return 2 * votes > sum(len(cluster.mesh.cells) for cluster in chosen)
 

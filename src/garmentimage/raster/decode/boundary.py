@@ -81,9 +81,7 @@ class Boundary:
         tip = theirs == np.arange(len(mine))
         sewn_on = (mine != NONE) & (theirs != NONE) & ~tip & (mine == before[theirs])
         changes = self.wraps != self.wraps[before]
-        starts: Bool[np.ndarray, " half"] = (self.following != NONE) & (
-            ~(free | sewn_on) | changes
-        )
+        starts: Bool[np.ndarray, " half"] = (self.following != NONE) & (~(free | sewn_on) | changes)
         return starts
 
 

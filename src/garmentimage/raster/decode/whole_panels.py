@@ -54,7 +54,7 @@ def wrapped_place(
     outward = np.sign(matrix @ (cut.mean(axis=0) - before.tail[first].mean(axis=0)))
     width, height = np.ptp(cut @ matrix.T, axis=0)
     (x, y), none = np.eye(2), np.zeros(2)
-    # The front part lies on the near side of the cut: what it has farther inward is farther forward.
+    # What the front part has farther inward from the cut stands farther forward.
     upright = [none, y, -outward[0] * x] if height >= width else [x, none, -outward[1] * y]
     axes = np.stack(upright)
     return WrappedPlace(

@@ -9,6 +9,7 @@ a seam the same grid edges. That it is the image of *this* pattern is proven by 
 from collections.abc import Iterator
 from math import dist
 from numbers import Integral
+from typing import Literal
 
 from garmentimage.compare import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
@@ -24,8 +25,9 @@ from garmentimage.raster.image import GarmentImage
 
 GRIDS = (8, 128)
 """Smallest and largest grid that can be encoded to."""
-LARGER_GRIDS = (32, 64)
-"""Grids that are tried, for an error that suggests one."""
+AUTO_GRIDS = (16, 32, 64)
+"""Grids that are tried in turn where none is given, or for an error that suggests one."""
+Grid = int | Literal["auto"]
 TUBE_SHARE = 0.5
 """A panel whose sewn sides lie farther apart than this share of its size makes a tube: laid
 flat with these sides joined, as those of a ring or a dart can be, it would tear."""
@@ -34,7 +36,7 @@ MAX_BOW_ROUNDS = 5
 
 
 def encode(
-    pattern: Pattern, grid: int = 16, *, frame: BodyFrame | None = None, verify: bool = True
+    pattern: Pattern, grid: Grid = "auto", *, frame: BodyFrame | None = None, verify: bool = True
 ) -> GarmentImage:
     """Draw a sewing pattern on the grid.
 
@@ -47,7 +49,7 @@ def encode(
     Args:
         pattern: the garment; placement decides which layer a panel lies on. One that is drawn
             inside out, all loops clockwise seen from outside the body, is turned over.
-        grid: cells along each side, N.
+        grid: cells along each side, N; or "auto", the smallest of 16, 32 and 64 that fits.
         frame: where the grid lies on the body; default: the standard frame of this grid, which
             is what makes images of different garments comparable.
         verify: decode the image to prove it; without, it may be that of another pattern.
@@ -59,14 +61,17 @@ def encode(
         PatternError: the pattern is not sound.
         EncodeError: it does not fit, or its image would not decode to it; names the cause, and a
             grid that is large enough or what to change in the pattern.
-        TypeError: the garment is not a Pattern, or the grid not a whole number.
+        TypeError: the garment is not a Pattern, or the grid neither a whole number nor "auto".
     """
     check_type(pattern, Pattern, "load_pattern(path) reads one from a file")
-    check_type(grid, Integral, "give the number of cells along each side")
-    if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
-        raise EncodeError(f"grid is {grid}; wanted an even number from {GRIDS[0]} to {GRIDS[1]}")
+    if grid != "auto":
+        check_type(grid, Integral, 'give the number of cells along each side, or "auto"')
+        if not GRIDS[0] <= grid <= GRIDS[1] or grid % 2:
+            low, high = GRIDS
+            raise EncodeError(f"grid is {grid}; wanted an even number from {low} to {high}")
+        grid = int(grid)
     try:
-        return _encoded(pattern, int(grid), frame, verify=verify)
+        return _encoded(pattern, grid, frame, verify=verify)
     except EncodeError:
         unknown = unknown_place(pattern)
         if unknown is None:
@@ -74,7 +79,7 @@ def encode(
         raise EncodeError(str(unknown), remedy="pattern") from None
 
 
-def _encoded(given: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool) -> GarmentImage:
+def _encoded(given: Pattern, grid: Grid, frame: BodyFrame | None, *, verify: bool) -> GarmentImage:
     """See `encode`; errors name the grid or the garment's shape as the cause."""
     opened = lay_open(given)
     image = _encoded_plainly(opened.pattern, grid, frame, verify=verify)
@@ -87,7 +92,7 @@ def _encoded(given: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool
 
 
 def _encoded_plainly(
-    pattern: Pattern, grid: int, frame: BodyFrame | None, *, verify: bool
+    pattern: Pattern, grid: Grid, frame: BodyFrame | None, *, verify: bool
 ) -> GarmentImage:
     """The image of a garment whose seams are all plain."""
     placed = place(pattern)
@@ -100,17 +105,20 @@ def _encoded_plainly(
     check_nodes(graph)
     candidates = _CachedLayouts(layouts(graph, lambda: unknown_place(pattern) is None))
     expected = stitch_graph(pattern) if verify else None
+    first = AUTO_GRIDS[0] if grid == "auto" else grid
     try:
-        return _encode(pattern, expected, candidates, frame or BodyFrame.standard(grid))
+        return _encode(pattern, expected, candidates, frame or BodyFrame.standard(first))
     except EncodeError as error:
         if frame is not None or error.remedy == "pattern" or unknown_place(pattern) is not None:
             raise
-        tried = [larger for larger in LARGER_GRIDS if larger > grid]
+        tried = [larger for larger in AUTO_GRIDS if larger > first]
         for larger in tried:
             try:
-                _encode(pattern, expected, candidates, BodyFrame.standard(larger))
+                image = _encode(pattern, expected, candidates, BodyFrame.standard(larger))
             except EncodeError:
                 continue
+            if grid == "auto":
+                return image
             raise EncodeError(
                 f"{error}; it fits a grid of {larger}: --grid {larger}, or grid={larger} in Python",
                 grid=larger,

@@ -104,7 +104,7 @@ def with_turned(image: GarmentImage, pattern: Pattern, turned: Set[str]) -> Garm
         source = pattern.by_name.get(mark.split_of or mark.name)
         if source is not None and source.name in turned:
             flags |= labels == labels[mark.layer, *mark.cell]
-            mark = replace(mark, rotation=source.rotation, translation=source.translation)  # noqa: PLW2901
+            mark = replace(mark, rotation=source.rotation, translation=source.translation)
         marks.append(mark)
     return replace(image, turned=flags, marks=tuple(marks))
 

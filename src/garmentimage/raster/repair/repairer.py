@@ -78,8 +78,8 @@ def repair(
         none: the likeliest value of everything, consistent or not.
         paper: then the paper's two cases: a `NON_STITCH` grid edge between two `FRONT_TO_BACK` ones
             becomes `FRONT_TO_BACK` (where the other layer says so: read literally, the rule
-            changes correct images), and `WRAP` likewise; a `NON_BOUNDARY` one between two tips of `SIDE_BY_SIDE` walls
-            becomes `SIDE_BY_SIDE` (unless they are the tips of two darts).
+            changes correct images), and `WRAP` likewise; a `NON_BOUNDARY` one between two tips of
+            `SIDE_BY_SIDE` walls becomes `SIDE_BY_SIDE` (unless they are the tips of two darts).
         full: the least-cost labelling in which every grid edge agrees with its cells, found by
             local search (see `labelling`); then seams are made whole or dropped, small regions
             merged, uncertain bands made one seam, and the paper's cases repaired. Cloth goes on

@@ -252,15 +252,13 @@ def unify_wraps(inside: Flags, types: Types, cost: Costs) -> int:
 def _facing_regions(
     regions: Int[np.ndarray, "2 row col"], wall: Wall
 ) -> tuple[tuple[int, int], ...]:
-    """The regions in front and behind that are joined at a grid edge, on each side that has both."""
+    """The regions in front and behind a grid edge, for each side of it that has both."""
     beside = [cell for cell in _sides(wall) if min(cell) >= 0]
     pairs = [(int(regions[0][cell]), int(regions[1][cell])) for cell in beside]
     return tuple(pair for pair in pairs if min(pair) >= 0)
 
 
-def _unify_wrap(
-    chain: list[Wall], types: Int[np.ndarray, "2 2 row col"], cost: np.ndarray
-) -> bool:
+def _unify_wrap(chain: list[Wall], types: Int[np.ndarray, "2 2 row col"], cost: np.ndarray) -> bool:
     """Give a chain one type on both layers if what stands against it is worth less than
     `RARE_COST`.
     """
@@ -280,14 +278,10 @@ def _unify_wrap(
     return True
 
 
-def unify_turned(
-    inside: Flags, types: Types, cost: Float[np.ndarray, "2 layer row col"]
-) -> Flags:
+def unify_turned(inside: Flags, types: Types, cost: Float[np.ndarray, "2 layer row col"]) -> Flags:
     """Which cells are turned: each region as a whole, whichever costs less."""
     regions, count = label_panels(inside, types)
-    totals = [
-        np.bincount(regions[inside], weights=each[inside], minlength=count) for each in cost
-    ]
+    totals = [np.bincount(regions[inside], weights=each[inside], minlength=count) for each in cost]
     turned = np.zeros_like(inside)
     turned[inside] = (totals[1] < totals[0])[regions[inside]]
     return turned

@@ -160,8 +160,9 @@ def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
         x = width / 2 + (k - (len(entries) - 1) / 2) * image.grid * step - 0.26 * image.grid
         length = 0.07 * image.grid
         if kind is None:
-            ax.fill_between([x, x + length], y - 0.02 * image.grid, y + 0.02 * image.grid,
-                            facecolor="none", edgecolor=FAINT, hatch=TURNED_HATCH, lw=0)  # fmt: skip
+            half = 0.02 * image.grid
+            sample = ax.fill_between([x, x + length], y - half, y + half)
+            sample.set(facecolor="none", edgecolor=FAINT, hatch=TURNED_HATCH, linewidth=0)
         else:
             ax.plot([x, x + length], [y, y], color=TYPE_COLOURS[kind], linewidth=2.3)
         name = "wrong side out" if kind is None else TYPE_NAMES[kind]

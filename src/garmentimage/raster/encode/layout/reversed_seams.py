@@ -110,7 +110,9 @@ def _along_silhouette(
         beyond = [
             points[samples.arcs[j, reach if other.a == node else -1 - reach]]
             for j, other in enumerate(graph.arcs)
-            if j != index and other.kind in (EdgeType.FRONT_TO_BACK, EdgeType.WRAP) and node in (other.a, other.b)
+            if j != index
+            and other.kind in (EdgeType.FRONT_TO_BACK, EdgeType.WRAP)
+            and node in (other.a, other.b)
         ]
         ends.append(np.mean(beyond, axis=0) if beyond else points[node])
     vector = ends[1] - ends[0]

@@ -74,9 +74,7 @@ def build_seam_graph(placed: Placed) -> SeamGraph:
     placed = _open_rings(placed)
     corner = _merged_corners(placed)
     cuts = {seam.a for seam in placed.seams if seam.is_cut}
-    arcs = [
-        _arc(placed, corner, sides, is_cut=sides[0][0] in cuts) for sides in _sides(placed)
-    ]
+    arcs = [_arc(placed, corner, sides, is_cut=sides[0][0] in cuts) for sides in _sides(placed)]
     arcs = _renumbered(sorted(arcs, key=lambda arc: _arc_key(placed, arc)))
     owner = {(p, e): (i, back) for i, arc in enumerate(arcs) for p, e, back in arc.sides}
     nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
