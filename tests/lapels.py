@@ -5,14 +5,22 @@ from dataclasses import replace
 import numpy as np
 
 from garmentimage.geometry import Line
-from garmentimage.pattern import Panel, Pattern, Side, Stitch, loop_from_curves
+from garmentimage.pattern import (
+    Panel,
+    Pattern,
+    Side,
+    Stitch,
+    loop_from_curves,
+    mirrored_curvature,
+)
+from garmentimage.pattern.model import curvature_of, edge_curve
 
 
 def with_lapels(jacket: Pattern, depth: float = 7.0) -> Pattern:
     """A drafted jacket with a lapel on either front, folded outward at the neckline.
 
-    A lapel lies on the front, right side out, its straight edge the chord of the neckline; where
-    neckline and lapel part, the lapel's edge has the neckline's curve.
+    A lapel lies on the front, right side out; its seam is the mirror image of the neckline, about
+    whose chord it is folded.
 
     Args:
         jacket: with panels `left_front` and `right_front` whose neck edges have the label `neck`.
@@ -27,7 +35,8 @@ def with_lapels(jacket: Pattern, depth: float = 7.0) -> Pattern:
         along = (end - start) / np.hypot(*(end - start))
         inward = np.array([-along[1], along[0]])  # the outline runs counter-clockwise
         x, y = ((start + end) / 2 + depth * inward).tolist()
-        outline = loop_from_curves([curve, Line(curve.end, (x, y)), Line((x, y), curve.start)])
+        folded = edge_curve(curve.start, curve.end, mirrored_curvature(curvature_of(curve)))
+        outline = loop_from_curves([folded, Line(curve.end, (x, y)), Line((x, y), curve.start)])
         left, up, ahead = front.translation
         panels.append(Panel(f"{side}_lapel", outline, (), (left, up, ahead + 1.0), front.rotation))
         stitches.append(

@@ -9,7 +9,7 @@ from garmentimage.draft.kind import KINDS
 from garmentimage.draft.sampling import ANY_BODY, sample
 from garmentimage.errors import EncodeError, ImageError
 from garmentimage.raster.channel_kind import CHANNEL_KINDS
-from garmentimage.raster.channels import CHANNELS_PER_LAYER
+from garmentimage.raster.channels import CHANNELS_PER_LAYER, join_channels, split_channels
 from garmentimage.raster.encode.encoder import encode
 from garmentimage.raster.image import EdgeType, GarmentImage
 from garmentimage.raster.repair.repairer import LEVELS, repair
@@ -247,16 +247,17 @@ def test_unknown_level_and_bad_arrays_are_refused():
 def shares(image, share, noise=0.0, seed=0):
     """What is true has a share, the rest is spread evenly, with noise on the logits."""
     rng = np.random.default_rng(seed)
-    block = image.to_channels().astype(float)
-    block = block.reshape(image.layers, CHANNELS_PER_LAYER, image.grid, image.grid)
-    flags = (2 * block[:, 0] - 1) * np.log(share / (1 - share))
-    block[:, 0] = 1 / (1 + np.exp(-flags - rng.normal(0, noise, flags.shape)))
-    types = np.where(block[:, 1:9] > 0.5, share, (1 - share) / 3)
+    flags, types, vectors, turned = split_channels(image.to_channels().astype(float))
+
+    def softened(flag):
+        logits = (2 * flag - 1) * np.log(share / (1 - share))
+        return 1 / (1 + np.exp(-logits - rng.normal(0, noise, flag.shape)))
+
+    flags = softened(flags)
+    types = np.where(types > 0.5, share, (1 - share) / (types.shape[2] - 1))
     types *= np.exp(rng.normal(0, noise, types.shape))
-    for first in (0, 4):
-        four = types[:, first : first + 4]
-        block[:, 1 + first : 5 + first] = four / four.sum(axis=1, keepdims=True)
-    return block.reshape(-1, image.grid, image.grid)
+    types /= types.sum(axis=2, keepdims=True)
+    return join_channels(flags, types, vectors, None if turned is None else softened(turned))
 
 
 CERTAINTIES = st.floats(0.99, 0.9999)

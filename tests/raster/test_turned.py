@@ -13,7 +13,7 @@ from tests.lapels import moebius, with_lapels
 from tests.raster.mirror import mirrored_pattern, mirrored_types
 
 LAPELS = {"left_lapel", "right_lapel"}
-depths = st.floats(6.5, 9.0)
+depths = st.floats(4.0, 12.0)
 slowly = settings(max_examples=5)
 
 
