@@ -184,7 +184,7 @@ print(sorted(found), row["raster"].shape, row["raster"].dtype, row["picture_fron
     build_dataset(BuildSettings(WITH_PICTURES, tmp_path / "set", 20), workers=1)
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split("\n")[0] == (
-        "['test', 'train', 'unseen', 'validation'] (2, 17, 16, 16) float32 (64, 64, 3)"
+        "['test', 'train', 'unseen', 'validation'] (2, 26, 16, 16) float32 (64, 64, 3)"
     )
     sheet = row_sheet(tmp_path / "set", 4)
     assert sheet.shape[0] > 256 and sheet.std() > 10

@@ -54,8 +54,8 @@ def test_other_seeds_types_and_numbers_give_other_garments():
 def test_the_pattern_of_a_row_encodes_to_its_raster():
     row = good_row("vae-darts", 2)
     image = encode(pattern_from_spec(json.loads(row["pattern"])), GRID)
-    np.testing.assert_array_equal(row["raster"].reshape(-1, GRID, GRID), image.to_channels())
-    assert row["raster"].shape == (2, 17, GRID, GRID) and row["raster"].dtype == np.float32
+    np.testing.assert_array_equal(row["raster"].reshape(-1, GRID, GRID), image.to_channels(2))
+    assert row["raster"].shape == (2, 26, GRID, GRID) and row["raster"].dtype == np.float32
 
 
 def test_the_parameters_of_a_row_draft_its_pattern():

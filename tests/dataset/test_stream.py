@@ -45,7 +45,7 @@ def test_a_seed_gives_an_order_and_each_epoch_another(folder):
 @pytest.mark.slow
 def test_rasters_are_tensors_and_types_can_be_left_out(folder):
     row = next(iter(RowStream(folder, columns=["raster", "captions"])))
-    assert row["raster"].shape == (2, 17, 16, 16) and row["raster"].dtype == torch.float32
+    assert row["raster"].shape == (2, 26, 16, 16) and row["raster"].dtype == torch.float32
     assert len(row["captions"]) == 3 and set(row) == {"raster", "captions"}
     assert not list(RowStream(folder, without=["tank"]))
     assert len(list(RowStream(folder, "unseen", columns=["id"], only=["skirt"]))) == 130

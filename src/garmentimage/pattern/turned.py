@@ -24,6 +24,9 @@ ALREADY_OPEN = -0.5
 """Cosine between the outer faces of two panels below which the seam between them lies open."""
 
 
+MIN_CHORD_CM = 0.1  # shortest chord of an edge about which a panel can be turned
+
+
 @dataclass(frozen=True)
 class LaidOpen:
     """A garment with plain seams only."""
@@ -145,14 +148,18 @@ def _smaller_class(pattern: Pattern, item: Sequence[str], side: Mapping[str, boo
 def fold_seams(pattern: Pattern, turned: Set[str]) -> Mapping[str, tuple[Side, Side]]:
     """For each turned panel the two sides of its longest seam to one that is not turned.
 
-    Where it has none, of its longest seam to any other panel.
+    Where it has none, of its longest seam to any other panel. Seams that close on themselves, as
+    round a neck, have no chord to turn about.
     """
     longest: dict[str, tuple[bool, float, Side, Side]] = {}
     for stitch in pattern.stitches:
         for mine, other in (stitch.sides, stitch.sides[::-1]):
             if mine.panel in turned and mine.panel != other.panel:
                 curve = pattern.curve(mine)
-                found = other.panel not in turned, dist(curve.start, curve.end), mine, other
+                chord = dist(curve.start, curve.end)
+                if chord < MIN_CHORD_CM:
+                    continue
+                found = other.panel not in turned, chord, mine, other
                 if mine.panel not in longest or found[:2] > longest[mine.panel][:2]:
                     longest[mine.panel] = found
     return {name: found[2:] for name, found in longest.items()}
