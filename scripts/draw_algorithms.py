@@ -92,7 +92,8 @@ def save(figure: Figure, out: Path) -> None:
 
 def legend(figure: Figure, y: float = 0.035) -> None:
     """Name the colours of the edge types along the lower edge."""
-    for k, (kind, colour) in enumerate(TYPE_COLOURS.items()):
+    plain = {kind: colour for kind, colour in TYPE_COLOURS.items() if kind != EdgeType.WRAP}
+    for k, (kind, colour) in enumerate(plain.items()):
         x = 0.26 + 0.2 * k
         figure.add_artist(_stroke_of(figure, x, y, colour))
         figure.text(x + 0.05, y, TYPE_NAMES[kind], fontsize=8, color=INK, va="center")
@@ -322,7 +323,7 @@ def channel_pictures(folder: Path) -> None:
 
 
 def _short_types() -> list[str]:
-    return ["none", *TYPE_NAMES.values()]
+    return ["none", *(name for kind, name in TYPE_NAMES.items() if kind != EdgeType.WRAP)]
 
 
 def _border():

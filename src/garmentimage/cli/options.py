@@ -36,6 +36,11 @@ def whole_number(_: object, tokens: Sequence[Token]) -> int:
         raise ValueError from None
 
 
+def grid_size(_: object, tokens: Sequence[Token]) -> int | Literal["auto"]:
+    """A whole number, or "auto"; cyclopts alone would take 2.5 for a 2."""
+    return "auto" if tokens[0].value == "auto" else whole_number(_, tokens)
+
+
 def within(low: float, high: float = inf, unit: str = "") -> Callable[[object, Any], None]:
     """A validator of numbers from `low` to `high`, without an end where `high` is infinite."""
     ends = f"{low:g} or more" if high == inf else f"{low:g} to {high:g}"
@@ -61,9 +66,10 @@ Files = Annotated[Path, Parameter(required=True)]
 Several = Annotated[tuple[str, ...], Parameter(consume_multiple=1, show_default=False)]
 """One or more words after an option, which may be repeated."""
 Grid = Annotated[
-    Literal["auto"] | Whole,
+    Literal["auto"] | int,
     Parameter(
-        help="Cells along each side of the image; auto: the smallest of 16, 32 and 64 that fits."
+        converter=grid_size,
+        help="Cells along each side of the image; auto: the smallest of 16, 32 and 64 that fits.",
     ),
 ]
 Order = Annotated[

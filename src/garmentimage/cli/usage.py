@@ -136,9 +136,10 @@ def _invalid(error: CoercionError) -> str:
     """A value of another type, or not one of the choices."""
     word = error.token.value if error.token else ""
     choices = error.argument.get_choices(force=True) if error.argument else None
-    if choices:
+    if choices and int not in get_args(error.target_type):
         return f"{_name(error)} is {quoted(word)}" + _near(word, choices)
-    return f"{_name(error)} is {quoted(word)}, not a {_type_name(error.target_type)}"
+    words = " or ".join([_type_name(error.target_type), *(choices or ())])
+    return f"{_name(error)} is {quoted(word)}, not a {words}"
 
 
 def _type_name(hint: Any) -> str:

@@ -1,7 +1,7 @@
 """Panels turned freely in their own coordinates, where quarter turns do not make them alike.
 
-The frame of a panel is no geometry. Without marks a decoded panel has one of its own: that of the
-grid, or midway between those of two parts that were joined.
+The frame of a panel says nothing of its shape. Without marks a decoded panel has one of its own:
+that of the grid, or midway between those of two parts that were joined.
 """
 
 from dataclasses import replace

@@ -15,8 +15,14 @@ from garmentimage.compare import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
 from garmentimage.pattern import Pattern, lay_open, turned_round
 from garmentimage.pattern.checks import unknown_place
-from garmentimage.raster.encode.lattice import Path, check_nodes, drawings, lost_shape, trials
-from garmentimage.raster.encode.layout import Layout, SeamGraph, build_seam_graph, layouts
+from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
+from garmentimage.raster.encode.layout import (
+    Layout,
+    SeamGraph,
+    build_seam_graph,
+    check_nodes,
+    layouts,
+)
 from garmentimage.raster.encode.placement import Placed, place
 from garmentimage.raster.encode.proof import Bows, Disproof, disproof
 from garmentimage.raster.encode.rasterize import rasterize, with_turned

@@ -5,9 +5,6 @@ from .attempts import (
 from .drawing import (
     Path as Path,
 )
-from .node_order import (
-    check_nodes as check_nodes,
-)
 from .shapes import (
     lost_shape as lost_shape,
 )

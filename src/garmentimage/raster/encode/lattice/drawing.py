@@ -17,8 +17,7 @@ from jaxtyping import Bool, Float, Int
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import polyline_length, signed_area
 from garmentimage.raster.encode.lattice._kernels_chords import chord_loss_kernel
-from garmentimage.raster.encode.lattice.node_order import MAX_DEGREE, with_node_order
-from garmentimage.raster.encode.layout import Layout, trunk_share
+from garmentimage.raster.encode.layout import MAX_DEGREE, Layout, trunk_share, with_node_order
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
 

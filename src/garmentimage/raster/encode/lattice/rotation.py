@@ -9,7 +9,7 @@ from jaxtyping import Int
 
 from garmentimage.raster.encode.lattice._kernels_route import choose_directions
 from garmentimage.raster.encode.lattice.drawing import Drawing
-from garmentimage.raster.encode.lattice.node_order import MAX_DEGREE
+from garmentimage.raster.encode.layout import MAX_DEGREE
 
 ONWARD = 0.05
 """Share of the direction farther on in the direction of a curve at its end."""

@@ -1,3 +1,8 @@
+from .node_order import (
+    MAX_DEGREE as MAX_DEGREE,
+    check_nodes as check_nodes,
+    with_node_order as with_node_order,
+)
 from .samples import (
     trunk_share as trunk_share,
 )

@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from garmentimage.errors import EncodeError, quoted
 from garmentimage.geometry import signed_area
-from garmentimage.raster.encode.layout import SeamGraph
+from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 from garmentimage.raster.image import EdgeType
 
 MAX_DEGREE = 4
