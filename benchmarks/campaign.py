@@ -187,6 +187,8 @@ def _hung(spec: str) -> tuple[np.ndarray, float] | None:
 def items(name: str, args: argparse.Namespace, files: tuple[Path, ...]) -> Iterator[Item]:
     """In the order of their garments, so that each whole garment is draped once or twice."""
     found = (Item(name, number, args.seed, files) for number in range(args.first, args.count))
+    if args.only:
+        found = (item for item in found if mutated(item)[0] in args.only)
     yield from sorted(
         found,
         key=lambda item: str(_drawn(item, np.random.default_rng([item.seed, item.number]))),
@@ -202,6 +204,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--steps", nargs="+", choices=ITEM_LIMIT_S, default=list(ITEM_LIMIT_S))
+    parser.add_argument("--only", nargs="+", choices=MUTATIONS, help="these mutations, not all")
     parser.add_argument("-o", "--out", type=Path)
     args = parser.parse_args()
     files = tuple(
@@ -228,6 +231,7 @@ def main() -> int:
         "seed": args.seed,
         "first": args.first,
         "count": args.count,
+        **({"only": args.only} if args.only else {}),
         "files": len(files),
         **{name: {m: dict(c) for m, c in by.items()} for name, by in counts.items()},
         "bad": bad,

@@ -1,5 +1,7 @@
 """Which girths of a garment a body has room in, and which shipped body a garment fits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,11 @@ from garmentimage.body.body import load_body
 from garmentimage.body.body_measurements import measurements, presets
 from garmentimage.body.stance import stand_straight
 from garmentimage.draft.sampling import sample
+from garmentimage.drape import fit
 from garmentimage.drape.fit import AUTO, ORDER, best_fit, girths, tapes
 from garmentimage.drape.mesh.meshing import mesh
+from garmentimage.drape.start.placement import place_on_body
+from garmentimage.drape.support import SupportSite
 from garmentimage.pattern.model import Edge, Loop, Panel, Pattern, Side, Stitch
 
 
@@ -36,6 +41,18 @@ def test_the_girth_of_a_tube_is_that_of_its_panels(width):
     assert found["hip"].cloth == pytest.approx(2 * width, rel=1e-3)
     assert found["hip"].missing < 0
     assert "upper arm" not in found
+
+
+def test_a_garment_of_which_no_width_is_known_at_the_chest_fits_by_its_girths(monkeypatch):
+    """Once, dividing by its girth of 0 ended the drape of a tee with one panel inside out."""
+
+    def nowhere(pattern, body, **options):
+        placed, placements = place_on_body(pattern, body, **options)
+        held = {"site": SupportSite.CHEST, "length": 0.0, "girth": 0.0}
+        return placed, tuple(replace(each, **held) for each in placements)
+
+    monkeypatch.setattr(fit, "place_on_body", nowhere)
+    assert best_fit([tube(75.0)]).body in ORDER
 
 
 def tube(width):

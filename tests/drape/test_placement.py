@@ -1,5 +1,7 @@
 """A garment is put where the body wears it, by its shape and not by its place in the file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -15,7 +17,7 @@ from garmentimage.drape.support import SupportSite
 from garmentimage.errors import DraftError, DrapeError
 from garmentimage.pattern.checks import check_pattern, symmetry_plane
 from garmentimage.pattern.files.spec import read_pattern
-from garmentimage.pattern.model import Pattern
+from garmentimage.pattern.model import Pattern, euler_angles
 from tests.corpus import corpus_sample
 from tests.drape.garments import (
     circle_skirt,
@@ -99,6 +101,35 @@ def test_what_holds_a_draft_is_recognised_without_names(kind):
     body, pattern = load_body(), draft_pattern(kind)
     (named,), (without_names,) = (place_on_body(p, body)[1] for p in (pattern, unnamed(pattern)))
     assert without_names.site is named.site and without_names.is_certain
+
+
+@pytest.mark.parametrize("angle", [-72.0, 60.0])
+@pytest.mark.parametrize("kind", ["one-panel-dress", "tank", "top-skirt"])
+def test_a_panel_that_stands_askew_does_not_change_what_holds_a_garment(kind, angle):
+    """Once, a dress whose front lay nearly level in its file was worn at the waist."""
+    sleeveless = {} if kind == "tank" else {"sleeves": "none"}
+    body, pattern = load_body("mean-female"), draft_pattern(kind, **sleeveless)
+    _, (straight,) = place_on_body(pattern, body)
+    top = next(p for p in pattern.panels if not p.name.startswith("skirt") and p.translation[2] > 0)
+    _, (askew,) = place_on_body(turned_about_x(pattern, top.name, angle), body)
+    assert straight.site is askew.site is SupportSite.SHOULDERS
+    assert askew.shift_up == pytest.approx(straight.shift_up, abs=DRAFT_TOL_CM)
+
+
+def turned_about_x(pattern: Pattern, name: str, degrees: float) -> Pattern:
+    """One panel turned about the level line through its middle."""
+    angle = np.deg2rad(degrees)
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    panels = []
+    for panel in pattern.panels:
+        if panel.name == name:
+            middle = panel.to_world(panel.outline.polygon).mean(axis=0)
+            x, y, z = (turn @ (np.array(panel.translation) - middle) + middle).tolist()
+            rotation = euler_angles(turn @ panel.matrix)
+            panel = replace(panel, rotation=rotation, translation=(x, y, z))
+        panels.append(panel)
+    return replace(pattern, panels=tuple(panels))
 
 
 def test_every_garment_of_a_file_is_put_where_it_belongs_by_itself():

@@ -209,7 +209,8 @@ def _fit_on(clothes: Sequence[Cloth], name: str, made_for: float | None, pose: s
             # A band may begin just over the tape or just under it.
             waist = Girth("waist", min(edges), tapes(body)["waist"].girth)
             found = (waist, *(g for g in found if g.place != "waist"))
-        held = [s for s in placements if s.site is not SupportSite.SHOULDERS]
+        # Without a girth nothing is known of how wide it is where it should hold.
+        held = [s for s in placements if s.site is not SupportSite.SHOULDERS and s.girth > 0]
         every += found
         tight += sum(max(g.missing - STRETCH_ALLOWANCE, 0.0) for g in found)
         loose += sum(max(s.length / s.girth - 1 - SUPPORT_ALLOWANCE, 0.0) for s in held)

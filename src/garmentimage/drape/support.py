@@ -64,7 +64,7 @@ class ShoulderSeam:
     """A seam over a shoulder, in the world."""
 
     sides: tuple[Side, Side]
-    points: Points3  # on both sides
+    points: Points3  # on the sides that face up
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +87,9 @@ def find_support(pattern: Pattern, panels: Mapping[str, WorldPanel], body: Body)
     edges = _top_edges(openings)
     seams = _shoulder_seams(pattern, panels)
     arms = _arms(openings, crotch)
+    if arms and not seams:
+        # One of the two panels may stand askew in the file.
+        seams = _shoulder_seams(pattern, panels, sides_up=1)
     if arms and (seams or any(not panel.on_trunk for panel in panels.values())):
         reason = "arms leave it through openings of their own"
         return Support(SupportSite.SHOULDERS, reason, True, edges, seams, crotch)
@@ -118,18 +121,19 @@ def _arms(openings: Sequence[Opening], crotch: float | None) -> list[Opening]:
     return [o for o in sided if o not in legs]
 
 
-def _shoulder_seams(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> tuple[ShoulderSeam, ...]:
-    """The highest seams between front and back of the trunk that face up."""
+def _shoulder_seams(
+    pattern: Pattern, panels: Mapping[str, WorldPanel], *, sides_up: int = 2
+) -> tuple[ShoulderSeam, ...]:
+    """The highest seams between front and back of the trunk that face up, on as many sides."""
     found, middle = [], midway_depth(panels)
     for stitch in pattern.stitches:
         a, b = (panels[side.panel] for side in stitch.sides)
         if (a.centre[2] - middle) * (b.centre[2] - middle) >= 0:
             continue
         sides = [panels[side.panel].edges[side.edge] for side in stitch.sides]
-        if a.on_trunk and b.on_trunk and all(edge.faces_up for edge in sides):
-            found.append(
-                ShoulderSeam(stitch.sides, np.concatenate([edge.points for edge in sides]))
-            )
+        up = [edge.points for edge in sides if edge.faces_up]
+        if a.on_trunk and b.on_trunk and len(up) >= sides_up:
+            found.append(ShoulderSeam(stitch.sides, np.concatenate(up)))
     highest = max((float(seam.points[:, 1].max()) for seam in found), default=0.0)
     return tuple(seam for seam in found if seam.points[:, 1].max() > highest - TOP_BAND)
 
