@@ -39,6 +39,7 @@ from .seam_runs import (
     stubs as stubs,
 )
 from .turned import (
+    LaidOpen as LaidOpen,
     fold_over as fold_over,
     lay_open as lay_open,
 )

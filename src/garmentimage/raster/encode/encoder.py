@@ -13,7 +13,7 @@ from typing import Literal
 
 from garmentimage.compare import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
-from garmentimage.pattern import Pattern, lay_open, turned_round
+from garmentimage.pattern import LaidOpen, Pattern, lay_open, turned_round
 from garmentimage.pattern.checks import unknown_place
 from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
 from garmentimage.raster.encode.layout import (
@@ -88,7 +88,7 @@ def encode(
 def _encoded(given: Pattern, grid: Grid, frame: BodyFrame | None, *, verify: bool) -> GarmentImage:
     """See `encode`; errors name the grid or the garment's shape as the cause."""
     opened = lay_open(given)
-    image = _encoded_plainly(opened.pattern, grid, frame, verify=verify)
+    image = _encoded_plainly(opened, grid, frame, verify=verify)
     if not opened.turned:
         return image
     image = with_turned(image, given, opened.turned)
@@ -98,15 +98,16 @@ def _encoded(given: Pattern, grid: Grid, frame: BodyFrame | None, *, verify: boo
 
 
 def _encoded_plainly(
-    pattern: Pattern, grid: Grid, frame: BodyFrame | None, *, verify: bool
+    opened: LaidOpen, grid: Grid, frame: BodyFrame | None, *, verify: bool
 ) -> GarmentImage:
     """The image of a garment whose seams are all plain."""
-    placed = place(pattern)
+    pattern = opened.pattern
+    placed = place(pattern, opened.turned)
     if not any(panel.faces_out for panel in placed.panels):
         if unknown_place(pattern) is not None:
             raise EncodeError("all its panels face the body", remedy="pattern")
         pattern = turned_round(pattern, [panel.name for panel in pattern.panels])
-        placed = place(pattern)
+        placed = place(pattern, opened.turned)
     graph = build_seam_graph(placed)
     check_nodes(graph)
     candidates = _CachedLayouts(layouts(graph, lambda: unknown_place(pattern) is None))

@@ -10,7 +10,7 @@ Words of this file:
 - The **layout pose** is a panel moved rigidly into the picture plane, arms stretched to the sides.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -99,13 +99,19 @@ class Placed:
     joined: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
     """Of the pattern's panels, vertices of dense outlines that decoding restores, in the
     panel's own frame [cm]."""
+    turned: Set[str] = frozenset()
+    """Names of the pattern's panels that were laid open, their wrong side out."""
 
 
-def place(pattern: Pattern) -> Placed:
+def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
     """Give every panel its layer and its layout pose, edges joined, wrapping panels split.
 
     The result does not depend on the order or the names of panels and stitches, nor on which
     edge of a panel comes first, and a mirrored garment gives the mirrored result.
+
+    Args:
+        pattern: the garment, all its seams plain.
+        turned: names of the panels that were laid open for that.
 
     Raises:
         EncodeError: a seam that cannot lie flat (one panel inside out, or on a second cloth
@@ -133,7 +139,7 @@ def place(pattern: Pattern) -> Placed:
     joined: dict[str, tuple[Point, ...]] = {}
     for side in joints.kept:
         joined[side.panel] = (*joined.get(side.panel, ()), pattern.curve(side).start)
-    return Placed(panels, seams, joined)
+    return Placed(panels, seams, joined, turned)
 
 
 def middle_depth(split: SplitPattern) -> float:

@@ -3,7 +3,8 @@
 Which arc follows which round a node is a fact of the garment: two that bound a corner of a panel
 follow each other. A layout may show it otherwise where a panel is a sliver, such as a lapel that
 narrows to a point: its two edges cross there. Then their first steps are turned, so that the
-drawing begins with the right order; where they lead stays.
+drawing begins with the right order; where they lead stays. Only nodes of turned panels are looked
+at: other garments have layouts whose order need not be mended.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,11 +34,13 @@ def with_node_order(graph: SeamGraph, curves: Curves) -> Curves:
     """The target curves of the arcs, their first steps turned where the order round a node is not
     that of the garment.
     """
+    if not graph.placed.turned:
+        return curves
     found = list(curves)
     for layer in (0, 1):
         after = _following_ends(graph, layer)
         for ends in _ends_by_node(graph, layer).values():
-            for step in STEPS if len(ends) > 2 else ():
+            for step in STEPS if len(ends) > 2 and _has_turned(graph, ends) else ():
                 _put_in_order(graph, found, ends, after, step)
     return tuple(found)
 
@@ -67,6 +70,13 @@ def check_nodes(graph: SeamGraph) -> None:
                     "let one of them end elsewhere",
                     remedy="pattern",
                 )
+
+
+def _has_turned(graph: SeamGraph, ends: Sequence[End]) -> bool:
+    """Whether a turned panel has an edge that ends here."""
+    panels = graph.placed.panels
+    sides = (side for arc, _ in ends for side in graph.arcs[arc].sides)
+    return any(panels[panel].source in graph.placed.turned for panel, _, _ in sides)
 
 
 def _is_free(graph: SeamGraph, end: End) -> bool:
