@@ -9,7 +9,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 
-from garmentimage import EncodeError, decode, encode, save_image
+from garmentimage import EncodeError, ImageError, decode, encode, save_image
 from garmentimage.compare.matching import panel_region
 from garmentimage.pattern.files.spec import read_pattern
 from tests.corpus import corpus_sample
@@ -72,7 +72,7 @@ def _edge(layer, channel, x, y, rest):
 
 
 def check_same_panels(pattern, folder):
-    image = encode(pattern)
+    image = encode(pattern, grid=16).cut_at_wraps()
     save_image(image, folder / "a.npy")
     theirs = panels_by_the_layout(np.load(folder / "a.npy", allow_pickle=False))
     ours = [panel_region(panel) for panel in decode(image_without_marks(image)).panels]
@@ -105,6 +105,9 @@ def test_patterns_by_others_come_out_of_the_authors_layout_as_the_same_panels(tm
         try:
             check_same_panels(read_pattern(path)[0], tmp_path)
         except EncodeError:
+            continue
+        except ImageError as error:
+            assert "turned" in str(error)
             continue
         seen += 1
     assert seen >= 50
