@@ -7,7 +7,14 @@ from hypothesis import given, settings, strategies as st
 from garmentimage import GarmentImageError, ImageError, Pattern, decode, draft_pattern, encode
 from garmentimage.compare import compare_patterns
 from garmentimage.compare.validation import structure_faults
-from garmentimage.raster import EdgeType, GarmentImage, load_image, save_image, with_contract
+from garmentimage.raster import (
+    BodyFrame,
+    EdgeType,
+    GarmentImage,
+    load_image,
+    save_image,
+    with_contract,
+)
 from garmentimage.raster.repair import repair
 from tests.raster.mirror import mirrored_pattern, mirrored_types
 
@@ -133,18 +140,12 @@ def test_two_wraps_between_the_same_parts_leave_a_panel_and_not_a_tube():
     types[:, 1, 5, 6] = EdgeType.NON_STITCH
     deformation = np.zeros((2, 4, 2, 8, 8), np.float32)
     deformation[:, [0, 2], 0] = deformation[:, [1, 3], 1] = 10 * inside[:, None]
-    channels = np.concatenate([GarmentImage(inside, types, deformation, _frame(8)).to_channels()])
-    found = decode(channels)
+    image = GarmentImage(inside, types, deformation, BodyFrame.standard(8))
+    found = decode(image.to_channels())
     (panel,) = found.panels
     assert panel.outline.area == pytest.approx(3200, rel=1e-3)
     assert [stitch.a.panel for stitch in found.stitches] == [panel.name]
     assert len(found.stitches) == 1
-
-
-def _frame(grid):
-    from garmentimage.raster import BodyFrame
-
-    return BodyFrame.standard(grid)
 
 
 @settings(max_examples=40)
