@@ -4,8 +4,9 @@
     python benchmarks/draping.py FOLDER... --count 50 --sheet OUT.png
 
 Without folders: `count` random garments of each drafted kind, on the body that they are drafted
-for. With folders: `count` evenly spread pattern files of each. A group a kind or a folder; the
-files of a folder come in order of name.
+for. With folders: `count` evenly spread pattern files of each, with `--lapels` of those that have
+panels sewn right side to wrong side. A group a kind or a folder; the files of a folder come in
+order of name.
 """
 
 import argparse
@@ -94,6 +95,8 @@ def tasks(args: argparse.Namespace) -> list[Task]:
     found = []
     for folder in args.folders:
         files = sorted(f for f in folder.rglob("*.json") if "manifest" not in f.name)
+        if args.lapels:
+            files = [f for f in files if "right_wrong" in f.read_text(encoding="utf-8")]
         step = max(len(files) / args.count, 1.0)
         chosen = [files[int(k * step)] for k in range(min(args.count, len(files)))]
         found += [Task(folder.name, f.stem, f.resolve(), *rest) for f in chosen]
@@ -125,6 +128,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--kinds", nargs="*", default=list(KINDS))
+    parser.add_argument("--lapels", action="store_true")
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--body", default=BODY)

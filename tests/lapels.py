@@ -6,6 +6,7 @@ import numpy as np
 
 from garmentimage.geometry import Line
 from garmentimage.pattern import (
+    Loop,
     Panel,
     Pattern,
     Side,
@@ -61,3 +62,43 @@ def moebius() -> Pattern:
     )
     plain = Stitch(Side("a", 1), Side("b", 3))
     return Pattern(panels, (plain, Stitch(Side("a", 3), Side("b", 1), same_direction=True)))
+
+
+def with_collar(jacket: Pattern, height: float = 5.0) -> Pattern:
+    """The default drafted jacket with lapels that go on into a collar which stands up behind.
+
+    A lapel is a triangle folded onto its front. Its short edge at the shoulder is sewn to the end
+    of a stand on the back's neck edge, of this height [cm].
+    """
+    panels, stitches = list(jacket.panels), list(jacket.stitches)
+    # Side of the body, neck edges of its front and of the back, corner of the lapel over its seam,
+    # short edge of the lapel, end of the stand at the shoulder.
+    for side, neck, behind, at_end, short, end in (
+        ("left", 5, 0, False, 2, 3),
+        ("right", 1, 10, True, 1, 1),
+    ):
+        front, back = jacket.by_name[f"{side}_front"], jacket.by_name["back"]
+        own, base = front.curves[neck], back.curves[behind]
+        angle = np.degrees(np.arctan2(*np.subtract(own.end, own.start)[::-1]))
+        x, y, z = front.to_world(np.array([own.start]))[0].tolist()
+        outline = polygon((0, 0), (own.length, 0), (own.length * at_end, height))
+        lapel = Panel(f"{side}_lapel", outline, (), (x, y, z + 1.0), (0.0, 0.0, float(angle)))
+        x, y, z = back.to_world(np.array([base.end]))[0].tolist()
+        outline = polygon((0, 0), (base.length, 0), (base.length, height), (0, height))
+        stand = Panel(f"{side}_stand", outline, (), (x, y, z), (0.0, 180.0, 0.0))
+        panels += [lapel, stand]
+        stitches += [
+            Stitch(Side(lapel.name, 0), Side(front.name, neck), same_direction=True),
+            Stitch(Side(stand.name, 0), Side("back", behind)),
+            Stitch(Side(lapel.name, short), Side(stand.name, end), same_direction=True),
+        ]
+    stitches.append(Stitch(Side("left_stand", 1), Side("right_stand", 3)))
+    return replace(jacket, panels=tuple(panels), stitches=tuple(stitches))
+
+
+def polygon(*corners: tuple[float, float]) -> Loop:
+    """An outline with straight edges."""
+    points = [(float(x), float(y)) for x, y in corners]
+    return loop_from_curves(
+        [Line(a, b) for a, b in zip(points, [*points[1:], points[0]], strict=True)]
+    )

@@ -300,6 +300,19 @@ def test_a_part_of_a_cloth_is_the_cloth_of_that_part():
     np.testing.assert_allclose(strain(part, points), 0, atol=1e-12)
 
 
+def test_marked_triangles_of_a_cloth_go_with_their_own_edges_only():
+    """Both sides of a seam have its vertices; the edges across to the other panel stay behind."""
+    front = square("front", 30.0)
+    both = Pattern((front, square("collar", 30.0)), (Stitch(Side("front", 2), Side("collar", 0)),))
+    cloth = mesh(both, vertices=FEW)
+    faces = cloth.face_panel == 1
+    vertices = np.unique(cloth.vertex_faces[faces])
+    part = rest_of(cloth).part(vertices, faces)
+    assert part.face_area.sum() == pytest.approx(900)
+    used = np.sort(part.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    assert set(map(tuple, part.edges.tolist())) == set(map(tuple, used.tolist()))
+
+
 def ring(name, count):
     turn = 2 * np.pi * np.arange(count) / count
     corners = tuple(zip((30 * np.cos(turn)).tolist(), (30 * np.sin(turn)).tolist(), strict=True))

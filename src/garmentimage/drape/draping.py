@@ -5,19 +5,20 @@ import time
 import numpy as np
 
 from garmentimage.body import Body, wearer
-from garmentimage.drape.components import GarmentItem, garment_items, with_elastics
+from garmentimage.drape.components import garment_items, with_elastics
 from garmentimage.drape.draped_garment import DrapedGarment
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.fit import AUTO, best_fit
+from garmentimage.drape.folded import folded_panels
+from garmentimage.drape.layers import belt, garment_layers, interfaced, pressed_fold
 from garmentimage.drape.mesh import DEFAULT_VERTICES, check_size, mesh, rest_of
 from garmentimage.drape.solver import (
-    Attachment,
     SolverSettings,
     Watch,
     body_field,
     solve,
 )
-from garmentimage.drape.start import place_on_body, start_points, tuck_in
+from garmentimage.drape.start import fold_onto, place_on_body, start_points, tuck_in
 from garmentimage.drape.support import SupportSite
 from garmentimage.drape.verdict import assess_drape
 from garmentimage.drape.world_panels import connected_garments
@@ -25,9 +26,6 @@ from garmentimage.errors import DrapeError, check_type, quoted
 from garmentimage.pattern import Pattern, without_stubs
 from garmentimage.pattern.checks import off_centre, unknown_place
 
-BELT_STIFFNESS, MAX_BELT_PULL = 1e5, 3e6
-"""A belt or an elastic keeps each vertex at its height with this stiffness [dyn/cm], and holds the
-garment up with at most this force all round [dyn]: some 3 kg."""
 ONE_PLANE = 1.0  # panels whose depths differ by less [cm] all lie on one side of the body
 
 
@@ -84,30 +82,40 @@ def drape_pattern(
     placed, placements = place_on_body(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
     start = start_points(cloth, body, placements)
+    holding = {side.panel for p in placements if p.is_supported for side in p.edges}
+    folded = folded_panels(placed, frozenset(holding))
     points, motions, field = start.copy(), [], body_field(body)
     items = garment_items(cloth, start, body, placements, tucked=tucked)
     rest = with_elastics(rest_of(cloth), items)
     band = max((float(i.level.mean()) for i in items if len(i.pinned)), default=None)
-    for item in items:
-        part = rest.part(item.vertices)
-        if tucked and band is not None and item.placement.site is SupportSite.SHOULDERS:
-            part = tuck_in(part, start[item.vertices], body, band)
+    layers = garment_layers(cloth, items, folded)
+    for layer in layers:
+        part = rest.part(layer.vertices, layer.faces)
+        if layer.is_folded:
+            points = fold_onto(cloth, points, folded, field, fabric.thickness)
+            hold, material = pressed_fold(cloth, layer, folded, points), interfaced(fabric)
+        else:
+            hold, material = belt(layer), fabric
+            if tucked and band is not None and layer.item.placement.site is SupportSite.SHOULDERS:
+                part = tuck_in(part, start[layer.vertices], body, band)
         motion = solve(
             part,
-            start[item.vertices],
+            points[layer.vertices],
             field,
-            fabric,
-            attachment=_belt(item),
-            with_friction=np.searchsorted(item.vertices, item.over_shoulders),
+            material,
+            attachment=hold,
+            with_friction=np.flatnonzero(np.isin(layer.vertices, layer.item.over_shoulders)),
             settings=settings,
             watch=watch,
         )
-        points[item.vertices] = motion.points
+        points[layer.own] = motion.points[np.isin(layer.vertices, layer.own)]
         motions.append(motion)
-        if item is not items[-1]:
+        if layer is not layers[-1]:
             field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
     seconds = time.perf_counter() - began
-    report = assess_drape(cloth, rest, start, points, body, items, tuple(motions), seconds=seconds)
+    report = assess_drape(
+        cloth, rest, start, points, body, items, tuple(motions), folded=folded, seconds=seconds
+    )
     return DrapedGarment(cloth, points, body, report)
 
 
@@ -174,13 +182,3 @@ def check_placed(pattern: Pattern) -> None:
     if finding:
         name = pattern.name or "the pattern"
         raise DrapeError(f"{name} cannot be put on a body: {finding}")
-
-
-def _belt(item: GarmentItem) -> Attachment | None:
-    """Holds an item up where nothing else does; free to move sideways."""
-    if not len(item.pinned):
-        return None
-    own = np.searchsorted(item.vertices, item.pinned)
-    targets, stiffness = np.zeros((2, len(own), 3))
-    targets[:, 1], stiffness[:, 1] = item.level, BELT_STIFFNESS
-    return Attachment(own, targets, stiffness, MAX_BELT_PULL / len(own))

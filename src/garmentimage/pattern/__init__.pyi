@@ -41,5 +41,7 @@ from .seam_runs import (
 from .turned import (
     LaidOpen as LaidOpen,
     fold_over as fold_over,
+    fold_seams as fold_seams,
     lay_open as lay_open,
+    turned_panels as turned_panels,
 )

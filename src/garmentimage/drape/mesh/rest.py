@@ -6,7 +6,7 @@ An **edge** is a pair of vertices that sides of triangles join.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from garmentimage.body import mesh_edges
 from garmentimage.drape.cloth import Cloth
@@ -32,15 +32,30 @@ class Rest:
     inverse: Float[np.ndarray, "face 2 2"]
     """Inverse of the matrix whose columns go from a flat triangle's first corner to the others."""
 
-    def part(self, vertices: Int[np.ndarray, " n"]) -> "Rest":
-        """Only these vertices, in rising order, and their triangles; all or none of each one's."""
+    def part(
+        self, vertices: Int[np.ndarray, " n"], faces: Bool[np.ndarray, " face"] | None = None
+    ) -> "Rest":
+        """Only these vertices, in rising order, and the triangles whose corners are all of them.
+
+        Of these only those that are marked in `faces`, where it is given.
+        """
         number = np.full(len(self.vertex_area), -1)
         number[vertices] = np.arange(len(vertices))
-        faces, edges = number[self.faces], number[self.edges]
-        own_faces, own_edges = faces[:, 0] >= 0, edges[:, 0] >= 0
+        own_faces = (number[self.faces] >= 0).all(axis=1)
+        if faces is not None:
+            own_faces &= faces
+        kept = number[self.faces[own_faces]]
+        # An edge goes with its triangles.
+        count = len(vertices)
+        ends = number[self.edges]
+        of_faces, _, _ = mesh_edges(kept)
+        own_edges = (ends >= 0).all(axis=1)
+        own_edges[own_edges] = np.isin(
+            ends[own_edges] @ [count, 1], of_faces.astype(np.int64) @ [count, 1]
+        )
         return Rest(
-            faces=faces[own_faces],
-            edges=edges[own_edges],
+            faces=kept,
+            edges=ends[own_edges],
             length=self.length[own_edges],
             area=self.area[own_edges],
             vertex_area=self.vertex_area[vertices],

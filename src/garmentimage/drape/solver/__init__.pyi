@@ -1,6 +1,7 @@
 from .distance_field import (
     DistanceField as DistanceField,
     body_field as body_field,
+    cloth_field as cloth_field,
 )
 from .solver import (
     Attachment as Attachment,

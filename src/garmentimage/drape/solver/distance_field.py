@@ -67,6 +67,21 @@ def body_field(body: Body) -> DistanceField:
     return surface_distance(body.vertices, body.faces)
 
 
+def cloth_field(
+    points: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
+) -> DistanceField:
+    """Signed distance to cloth, exact up to `CLOTH_BAND` from it; farther off all is outside.
+
+    Negative behind it: faces run counter-clockwise seen from outside. Rims have no inside.
+    """
+    low, high = points[faces].min(axis=(0, 1)), points[faces].max(axis=(0, 1))
+    origin = low - PAD
+    shape = tuple(ceil(s / CELL) + 1 for s in high + PAD - origin)
+    values = _near(shape, origin, CELL, points, faces, CLOTH_BAND)
+    values[np.isinf(values)] = CLOTH_BAND
+    return DistanceField(values, origin, CELL)
+
+
 def empty_field() -> DistanceField:
     """A field without any obstacle."""
     return DistanceField(np.full((2, 2, 2), 1e6, np.float32), np.zeros(3), CELL)

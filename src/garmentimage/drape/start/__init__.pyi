@@ -1,3 +1,8 @@
+from .fold_onto import (
+    ROLL as ROLL,
+    fold_onto as fold_onto,
+    from_seams as from_seams,
+)
 from .placement import (
     EASE as EASE,
     ELASTIC as ELASTIC,

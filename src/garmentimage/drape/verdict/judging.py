@@ -8,11 +8,13 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.components import GarmentItem
 from garmentimage.drape.draped_garment import DrapeReport
 from garmentimage.drape.fit import tight_places
+from garmentimage.drape.folded import FoldedPanels
 from garmentimage.drape.girths import shoulder, waist_height
 from garmentimage.drape.mesh import Rest, peak_strain, strain
 from garmentimage.drape.solver import Motion, body_field
 from garmentimage.drape.start import EASE, ELASTIC, TIGHT, Placement, on_hips
 from garmentimage.drape.support import SupportSite
+from garmentimage.drape.verdict.folds import fold_faults
 from garmentimage.drape.verdict.intersections import crossing_count
 from garmentimage.drape.verdict.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.verdict.skin import deepest
@@ -30,7 +32,7 @@ RESTING = 25
 """So many percent of the cloth over the shoulders should rest on them; a hood's does not all."""
 
 
-def assess_drape(
+def assess_drape(  # noqa: PLR0913 - all parts of a drape are judged at once
     cloth: Cloth,
     rest: Rest,
     start: Float[np.ndarray, "vertex 3"],
@@ -39,12 +41,13 @@ def assess_drape(
     items: tuple[GarmentItem, ...],
     motions: tuple[Motion, ...],
     *,
+    folded: FoldedPanels,
     seconds: float,
 ) -> DrapeReport:
     """Measure a drape and list its faults.
 
-    Vertices began at `start` and are now at `points` [cm]; each item has its motion. `seconds` is
-    the time it took so far.
+    Vertices began at `start` and are now at `points` [cm]; each layer has its motion. `folded` are
+    the panels that should be folded over. `seconds` is the time it took so far.
     """
     settled = all(m.settled for m in motions)
     frames = max(m.frames for m in motions)
@@ -78,7 +81,11 @@ def assess_drape(
         crossings=crossing_count(points, rest.faces),
         held=sum(len(i.pinned) for i in items) / len(points),
         items=len(items),
-        faults=(*faults, *_limb_faults(rest.faces, start, points, body)),
+        faults=(
+            *faults,
+            *_limb_faults(rest.faces, start, points, body),
+            *fold_faults(cloth, points, folded, body),
+        ),
         notes=_notes(items, body),
         seconds=seconds,
     )

@@ -1,0 +1,103 @@
+"""Lapels and collars: the panels of a garment that are folded over, and what stands beside them.
+
+A **turned** panel is sewn right side to wrong side and lies on the panel that it is folded onto,
+right side out (see `pattern.turned`). A **stand** is a collar's panel that stands up beside it, and
+is sewn to it but not to what it lies on. Where the two meet the collar rolls over.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool
+
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.world_panels import connected_garments
+from garmentimage.errors import DrapeError, PatternError
+from garmentimage.pattern import Pattern, Side, Stitch, fold_seams, turned_panels
+
+
+@dataclass(frozen=True)
+class FoldedPanels:
+    """The panels of a garment that are put on after the others: turned panels and stands."""
+
+    turned: frozenset[str]  # names of the turned panels
+    stands: frozenset[str]  # names of the stands
+    seams: Mapping[str, tuple[Side, Side]]
+    """For each of them its side of its longest seam to the cloth beneath, and the other side. What
+    is sewn to none of it has no entry."""
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of turned panels and stands."""
+        return self.turned | self.stands
+
+    @property
+    def bases(self) -> frozenset[str]:
+        """Names of the panels that they are sewn to."""
+        return frozenset(other.panel for _, other in self.seams.values())
+
+
+def folded_panels(pattern: Pattern, holding: frozenset[str] = frozenset()) -> FoldedPanels:
+    """The panels that are folded over.
+
+    None are of a garment that would fall apart or off without them: where they join what is not
+    sewn together otherwise, or are among the panels `holding` it up.
+
+    Raises:
+        DrapeError: seams contradict each other, as those of a Moebius strip.
+    """
+    turned: set[str] = set()
+    stands: set[str] = set()
+    seams: dict[str, tuple[Side, Side]] = {}
+    for part in connected_garments(pattern):
+        if not any(stitch.same_direction for stitch in part.stitches):
+            continue
+        try:
+            own = turned_panels(part)
+        except PatternError as error:
+            raise DrapeError(str(error)) from None
+        beside = _stands(part, own)
+        over = own | beside
+        if over & holding or not _is_whole(part, over):
+            continue
+        turned |= own
+        stands |= beside
+        folds = {**fold_seams(part, over), **fold_seams(part, own)}
+        seams |= {name: sides for name, sides in folds.items() if sides[1].panel not in over}
+    return FoldedPanels(frozenset(turned), frozenset(stands), seams)
+
+
+def on_panels(cloth: Cloth, names: frozenset[str]) -> Bool[np.ndarray, " face"]:
+    """Which triangles belong to panels of these names."""
+    own = np.array([panel.name in names for panel in cloth.pattern.panels])
+    return own[cloth.face_panel]
+
+
+def _stands(pattern: Pattern, turned: set[str]) -> set[str]:
+    """Panels sewn to a turned one but not to what it lies on, and on which none lies."""
+    sewn = _neighbours(pattern.stitches)
+    folds = fold_seams(pattern, turned)
+    bases = {other.panel for _, other in folds.values()}
+    return {
+        name
+        for mine, other in folds.values()
+        for name in sewn[mine.panel] - turned - bases
+        if other.panel not in sewn[name]
+    }
+
+
+def _is_whole(pattern: Pattern, without: set[str]) -> bool:
+    """Whether a garment is all sewn together without some of its panels."""
+    left = tuple(panel for panel in pattern.panels if panel.name not in without)
+    stitches = tuple(s for s in pattern.stitches if not {s.a.panel, s.b.panel} & without)
+    return len(connected_garments(Pattern(left, stitches))) == 1
+
+
+def _neighbours(stitches: Sequence[Stitch]) -> dict[str, set[str]]:
+    """For each panel the names of those that it is sewn to."""
+    sewn: dict[str, set[str]] = {}
+    for stitch in stitches:
+        sewn.setdefault(stitch.a.panel, set()).add(stitch.b.panel)
+        sewn.setdefault(stitch.b.panel, set()).add(stitch.a.panel)
+    return sewn

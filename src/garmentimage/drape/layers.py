@@ -1,0 +1,101 @@
+"""Layers of cloth: what of a garment is simulated at once, and what holds it meanwhile.
+
+Cloth of one layer does not keep cloth of the same layer off. Lapels and collars simulated together
+with what they lie on would fall through it, and into the neck opening. Hence they are a layer by
+themselves: they begin folded onto the cloth at rest (`start.fold_onto`) and are held along their
+seams. They are kept off what lies beneath, and do not press on it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.spatial import cKDTree
+
+from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.components import GarmentItem
+from garmentimage.drape.fabric import Fabric
+from garmentimage.drape.folded import FoldedPanels, on_panels
+from garmentimage.drape.solver import Attachment
+from garmentimage.drape.start import ROLL, from_seams
+
+BELT_STIFFNESS, MAX_BELT_PULL = 1e5, 3e6
+"""A belt or an elastic keeps each vertex at its height with this stiffness [dyn/cm], and holds the
+garment up with at most this force all round [dyn]: some 3 kg."""
+PRESSED, PRESSED_STIFFNESS = 5.0, 3e3
+"""A fold is pressed: cloth at it is drawn to where it lies flat on what is beneath, with this force
+per distance [dyn/cm]; so many cm away it is not."""
+INTERFACING = 10.0
+"""Collars and lapels are stiffened: they resist bending so many times as much as their fabric."""
+
+
+@dataclass(frozen=True, eq=False)
+class GarmentLayer:
+    """Cloth of one item that is simulated at once."""
+
+    item: GarmentItem
+    faces: Bool[np.ndarray, " face"]  # its triangles
+    vertices: Int[np.ndarray, " n"]  # their vertices, in rising order
+    own: Int[np.ndarray, " m"]  # those that it moves: all but the ones sewn to the cloth beneath
+    is_folded: bool  # whether it is what is folded over
+
+
+def garment_layers(
+    cloth: Cloth, items: Sequence[GarmentItem], folded: FoldedPanels
+) -> list[GarmentLayer]:
+    """All cloth in the order in which it is put on: what is folded over last of its item."""
+    layers = []
+    is_over = on_panels(cloth, folded.names)
+    for item in items:
+        faces = np.isin(cloth.vertex_faces[:, 0], item.vertices)
+        beneath = np.unique(cloth.vertex_faces[faces & ~is_over])
+        layers.append(GarmentLayer(item, faces & ~is_over, beneath, beneath, False))
+        if (over := faces & is_over).any():
+            vertices = np.unique(cloth.vertex_faces[over])
+            own = np.setdiff1d(vertices, beneath)
+            layers.append(GarmentLayer(item, over, vertices, own, True))
+    return layers
+
+
+def belt(layer: GarmentLayer) -> Attachment | None:
+    """Holds an item up where nothing else does; free to move sideways."""
+    item = layer.item
+    on = np.isin(item.pinned, layer.vertices)
+    if not on.any():
+        return None
+    own = np.searchsorted(layer.vertices, item.pinned[on])
+    targets, stiffness = np.zeros((2, len(own), 3))
+    targets[:, 1], stiffness[:, 1] = item.level[on], BELT_STIFFNESS
+    return Attachment(own, targets, stiffness, MAX_BELT_PULL / len(own))
+
+
+def pressed_fold(
+    cloth: Cloth,
+    layer: GarmentLayer,
+    folded: FoldedPanels,
+    start: Float[np.ndarray, "vertex 3"],
+) -> Attachment:
+    """Holds what is folded over where it is sewn on, and near its fold where it begins.
+
+    `start` [cm] are the places of all vertices of the garment at its beginning.
+    """
+    stiffness = np.zeros(cloth.vertex_count)
+    for k, panel in enumerate(cloth.pattern.panels):
+        if panel.name in folded.turned and panel.name in folded.seams:
+            own = np.flatnonzero(cloth.panel == k)
+            flat, fold = cloth.flat[own], cloth.sides[folded.seams[panel.name][0]]
+            away, _ = cKDTree(cloth.flat[fold]).query(flat)
+            # Where the collar rolls over it is not pressed.
+            rolls = from_seams(cloth, panel.name, folded.stands, flat) / ROLL
+            pressed = np.clip(1.0 - away / PRESSED, 0.0, 1.0) * np.clip(rolls, 0.0, 1.0)
+            np.maximum.at(stiffness, cloth.vertex[own], PRESSED_STIFFNESS * pressed)
+    stiffness[np.setdiff1d(layer.vertices, layer.own)] = np.inf
+    held = np.flatnonzero(stiffness[layer.vertices])
+    vertices = layer.vertices[held]
+    return Attachment(held, start[vertices], np.tile(stiffness[vertices], (3, 1)).T)
+
+
+def interfaced(fabric: Fabric) -> Fabric:
+    """The fabric of collars and lapels, which are stiffened."""
+    return replace(fabric, bend=INTERFACING * fabric.bend)
