@@ -91,13 +91,12 @@ def drape_pattern(
     layers = garment_layers(cloth, items, folded)
     for layer in layers:
         part = rest.part(layer.vertices, layer.faces)
+        hold, material = belt(layer), fabric
         if layer.is_folded:
             points = fold_onto(cloth, points, folded, field, fabric.thickness)
             hold, material = pressed_fold(cloth, layer, folded, points), interfaced(fabric)
-        else:
-            hold, material = belt(layer), fabric
-            if tucked and band is not None and layer.item.placement.site is SupportSite.SHOULDERS:
-                part = tuck_in(part, start[layer.vertices], body, band)
+        elif tucked and band is not None and layer.item.placement.site is SupportSite.SHOULDERS:
+            part = tuck_in(part, start[layer.vertices], body, band)
         motion = solve(
             part,
             points[layer.vertices],

@@ -71,7 +71,8 @@ def folded_panels(pattern: Pattern, holding: frozenset[str] = frozenset()) -> Fo
 def on_panels(cloth: Cloth, names: frozenset[str]) -> Bool[np.ndarray, " face"]:
     """Which triangles belong to panels of these names."""
     own = np.array([panel.name in names for panel in cloth.pattern.panels])
-    return own[cloth.face_panel]
+    on: np.ndarray = own[cloth.face_panel]
+    return on
 
 
 def _stands(pattern: Pattern, turned: set[str]) -> set[str]:

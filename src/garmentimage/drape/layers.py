@@ -2,7 +2,7 @@
 
 Cloth of one layer does not keep cloth of the same layer off. Lapels and collars simulated together
 with what they lie on would fall through it, and into the neck opening. Hence they are a layer by
-themselves: they begin folded onto the cloth at rest (`start.fold_onto`) and are held along their
+themselves: they begin folded onto the cloth at rest (`start.folding`) and are held along their
 seams. They are kept off what lies beneath, and do not press on it.
 """
 

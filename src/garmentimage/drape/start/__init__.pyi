@@ -1,4 +1,4 @@
-from .fold_onto import (
+from .folding import (
     ROLL as ROLL,
     fold_onto as fold_onto,
     from_seams as from_seams,
