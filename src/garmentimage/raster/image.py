@@ -39,6 +39,9 @@ class EdgeType(IntEnum):
     """Sewn to the neighbouring cell of the same layer."""
     WRAP = 4
     """No seam: the cloth goes on, round the body, at the same place of the opposite layer."""
+    SHEET = 5
+    """Sewn to cloth of the other sheet: to the neighbouring cell on the same face of the body, else
+    to the same place of the opposite face."""
 
 
 BOTTOM, LEFT = 0, 1

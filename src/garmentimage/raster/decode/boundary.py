@@ -89,8 +89,9 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
     """The half-edges of `clusters` and who is sewn to whom (paper, Section 3.3).
 
     `SIDE_BY_SIDE` joins a half-edge to the opposite one of the neighbouring cell, `FRONT_TO_BACK`
-    and `WRAP` to the same side of the same cell on the other layer of its pair. A half-edge whose
-    partner is missing stays free.
+    and `WRAP` to the same side of the same cell on the other layer of its pair. `SHEET` joins it
+    to either of the two on the other sheet, the first that is `SHEET` and chooses it, too. A
+    half-edge whose partner is missing stays free.
     """
     sides = [_sides_of(image, cluster) for cluster in clusters]
     sizes = [len(each.kind) for each in sides]
@@ -143,17 +144,23 @@ def _partners(image: GarmentImage, sides: Sequence[_ClusterSides]) -> Int[np.nda
     number = np.full((image.layers, grid + 2, grid + 2, 4), NONE)
     number[layer, row + 1, col + 1, side] = np.arange(len(kind))
     step = np.array(NEIGHBOURS)[side]
-    beside = number[layer, row + 1 + step[:, 0], col + 1 + step[:, 1], (side + 2) % 4]
-    other = layer ^ 1
-    opposite = np.where(
-        other < image.layers,
-        number[np.minimum(other, image.layers - 1), row + 1, col + 1, side],
-        NONE,
-    )
-    opposite[kind[opposite] != kind] = NONE
+
+    def beside(other: Int[np.ndarray, " half"]) -> Int[np.ndarray, " half"]:
+        at = np.minimum(other, image.layers - 1)
+        found = number[at, row + 1 + step[:, 0], col + 1 + step[:, 1], (side + 2) % 4]
+        return np.where(other < image.layers, found, NONE)
+
+    def opposite(other: Int[np.ndarray, " half"]) -> Int[np.ndarray, " half"]:
+        found = number[np.minimum(other, image.layers - 1), row + 1, col + 1, side]
+        return np.where((other < image.layers) & (kind[found] == kind), found, NONE)
+
+    on_sheet = beside(layer ^ 2)
+    on_sheet = np.where(kind[on_sheet] == kind, on_sheet, NONE)
+    on_sheet = np.where(on_sheet == NONE, opposite(layer ^ 3), on_sheet)
+    on_sheet[on_sheet[on_sheet] != np.arange(len(kind))] = NONE
     is_between_layers = np.isin(kind, (EdgeType.FRONT_TO_BACK, EdgeType.WRAP))
-    is_sewn = [kind == EdgeType.SIDE_BY_SIDE, is_between_layers]
-    return np.select(is_sewn, [beside, opposite], NONE)
+    is_sewn = [kind == EdgeType.SIDE_BY_SIDE, is_between_layers, kind == EdgeType.SHEET]
+    return np.select(is_sewn, [beside(layer), opposite(layer ^ 1), on_sheet], NONE)
 
 
 def close_slits(boundary: Boundary, clusters: Sequence[Cluster], chosen: set[int]) -> Boundary:

@@ -19,11 +19,13 @@ from jaxtyping import Float
 
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import signed_area
-from garmentimage.pattern import FRONTAL, Pattern, Point, floor_shift
+from garmentimage.pattern import FRONTAL, Pattern, Point, floor_shift, fold_seams
 from garmentimage.raster.encode.joints import find_joints
 from garmentimage.raster.encode.split import PanelPart, SplitPattern, split_wrapping
 
 FRONT, BACK = 0, 1
+MAX_SHEETS = 2
+"""Sheets of cloth that can lie on each other, each with a front and a back layer."""
 
 EDGE_ON = 0.35
 """Panels with |R22| below this are laid flat to the side instead of projected."""
@@ -51,7 +53,7 @@ class PlacedPanel:
     source: str
     """Name of the pattern's panel."""
     layer: int
-    """0 front, 1 back."""
+    """0 front, 1 back; 2 and 3 of the sheet that lies on them."""
     curves: tuple[Float[np.ndarray, "_ 2"], ...]
     """Per edge a dense polyline in body cm, directed and chained as in the panel."""
     loops: tuple[tuple[int, ...], ...]
@@ -70,7 +72,7 @@ class PlacedPanel:
     @property
     def faces_out(self) -> bool:
         """The panel's right side faces away from the body."""
-        return self.sign == (1 if self.layer == FRONT else -1)
+        return self.sign == (1 if self.layer % 2 == FRONT else -1)
 
     @property
     def outline(self) -> Float[np.ndarray, "n 2"]:
@@ -102,6 +104,11 @@ class Placed:
     turned: Set[str] = frozenset()
     """Names of the pattern's panels that were laid open, their wrong side out."""
 
+    @property
+    def layer_count(self) -> int:
+        """Layers, two for each sheet of cloth."""
+        return 2 * (1 + max(panel.layer for panel in self.panels) // 2)
+
 
 def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
     """Give every panel its layer and its layout pose, edges joined, wrapping panels split.
@@ -114,9 +121,10 @@ def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
         turned: names of the panels that were laid open for that.
 
     Raises:
-        EncodeError: a seam that cannot lie flat (one panel inside out, or on a second cloth
-            layer), or a wrapping panel that cannot be split.
+        EncodeError: a seam that cannot lie flat (one panel inside out), a wrapping panel that
+            cannot be split, or more cloth layers than there are sheets.
     """
+    sheets = _sheets(pattern, turned)
     joints = find_joints(pattern)
     split = SplitPattern.of(pattern, joints, floor_shift(pattern))
     middle = middle_depth(split)
@@ -125,6 +133,8 @@ def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
     split_wrapping(split, middle)
     matrices = _matrices(split)
     poses = {id(p): (m, _offset(split, p, m)) for p, m in zip(split.parts, matrices, strict=True)}
+    for part in split.parts:
+        part.layer += 2 * sheets[part.source]
     # By layer and place, so that file order cannot matter.
     parts = sorted(split.parts, key=lambda p: (p.layer, _lean(split, p), p.name))
     where = {edge: (i, k) for i, p in enumerate(parts) for k, edge in enumerate(p.edges)}
@@ -140,6 +150,27 @@ def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
     for side in joints.kept:
         joined[side.panel] = (*joined.get(side.panel, ()), pattern.curve(side).start)
     return Placed(panels, seams, joined, turned)
+
+
+def _sheets(pattern: Pattern, turned: Set[str]) -> dict[str, int]:
+    """On which sheet each panel lies: 0, or 1 where it has an outer cloth layer.
+
+    A turned panel lies on the sheet of what it is sewn to.
+    """
+    layers = sorted({p.cloth_layer for p in pattern.panels if p.name not in turned})
+    if len(layers) > MAX_SHEETS:
+        third = next(p for p in pattern.panels if p.cloth_layer == layers[MAX_SHEETS])
+        raise EncodeError(
+            f"its panels lie on {len(layers)} cloth layers, and an image has room for "
+            f"{MAX_SHEETS}; leave out panel {third.name[:80]!r} of cloth layer {third.cloth_layer}",
+            remedy="pattern",
+        )
+    sheets = {p.name: layers.index(p.cloth_layer) for p in pattern.panels if p.name not in turned}
+    folds = fold_seams(pattern, turned)
+    for name in sorted(turned):
+        beneath = folds[name][1].panel if name in folds else name
+        sheets[name] = sheets.get(beneath, 0)
+    return sheets
 
 
 def middle_depth(split: SplitPattern) -> float:

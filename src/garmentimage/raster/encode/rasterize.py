@@ -22,7 +22,13 @@ from garmentimage.raster.encode.layout import SeamGraph
 from garmentimage.raster.encode.placement import PlacedPanel
 from garmentimage.raster.encode.proof import Bows, bowed
 from garmentimage.raster.frame import BodyFrame
-from garmentimage.raster.image import Division, EdgeType, GarmentImage, PanelMark
+from garmentimage.raster.image import (
+    Division,
+    EdgeType,
+    GarmentImage,
+    PanelMark,
+    default_layer_names,
+)
 
 EdgeTypes = Integer[np.ndarray, "layer 2 row col"]
 """`EdgeType` of the bottom and left grid edge of every cell."""
@@ -73,7 +79,8 @@ def rasterize(
     edge_type = _edge_types(drawn)
     owner = _fill_panels(drawn)
     _check_clusters(graph, owner, edge_type)
-    deformation = np.zeros((2, 4, 2, frame.grid, frame.grid), np.float32)
+    layers = graph.placed.layer_count
+    deformation = np.zeros((layers, 4, 2, frame.grid, frame.grid), np.float32)
     marks = []
     for i, panel in enumerate(graph.placed.panels):
         mask = owner[panel.layer] == i
@@ -84,6 +91,7 @@ def rasterize(
         edge_type=edge_type,
         deformation=deformation,
         frame=frame,
+        layer_names=default_layer_names(layers),
         marks=tuple(marks),
         name=pattern.name,
     )
@@ -112,7 +120,8 @@ def with_turned(image: GarmentImage, pattern: Pattern, turned: Set[str]) -> Garm
 def _edge_types(drawn: _Drawn) -> EdgeTypes:
     """Types of the grid edges, straight from the arcs."""
     grid = drawn.frame.grid
-    types = np.full((2, 2, grid, grid), EdgeType.NON_BOUNDARY, np.int8)
+    layers = drawn.graph.placed.layer_count
+    types = np.full((layers, 2, grid, grid), EdgeType.NON_BOUNDARY, np.int8)
     for arc, path in zip(drawn.graph.arcs, drawn.paths, strict=True):
         corner = np.minimum(path[:-1], path[1:])
         upright = (path[:-1, 0] == path[1:, 0]).astype(int)
@@ -121,14 +130,14 @@ def _edge_types(drawn: _Drawn) -> EdgeTypes:
     return types
 
 
-def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "2 row col"]:
+def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "layer row col"]:
     """The panel of each cell, -1 outside.
 
     By the even-odd rule: a cell is inside where its row has crossed the panel's upright grid edges
     an odd number of times. Darts, whose legs are one path, leave nothing out.
     """
     graph, grid = drawn.graph, drawn.frame.grid
-    owner = np.full((2, grid, grid), -1)
+    owner = np.full((graph.placed.layer_count, grid, grid), -1)
     panels = graph.placed.panels
     for i, panel in enumerate(panels):
         crossed = np.zeros((grid, grid + 1), int)
@@ -146,7 +155,7 @@ def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "2 row col"]:
             other = panels[int(taken.max())].source
             raise EncodeError(
                 f"panels {panel.source!r} and {other!r} lie on top of each other; "
-                "one of them needs a second cloth layer",
+                'where one lies on the other\'s cloth, give it "cloth_layer": 1',
                 remedy="either",
             )
         owner[panel.layer][mask] = i
@@ -154,7 +163,7 @@ def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "2 row col"]:
 
 
 def _check_clusters(
-    graph: SeamGraph, owner: Int[np.ndarray, "2 row col"], edge_type: EdgeTypes
+    graph: SeamGraph, owner: Int[np.ndarray, "layer row col"], edge_type: EdgeTypes
 ) -> None:
     """Every panel must be one cluster of its own, as decoding will see it."""
     inside = owner >= 0

@@ -11,7 +11,7 @@ costs this much more."""
 
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
-_WRAP = int(EdgeType.WRAP)
+_WRAP, _SHEET = int(EdgeType.WRAP), int(EdgeType.SHEET)
 _SWEEPS = 20
 
 # The labels are the flag f of every cell and the type t of every grid edge. Minimised is
@@ -48,12 +48,12 @@ def best_single(a, b, cost):
     if not a and not b:
         return _NON_BOUNDARY, cost[_NON_BOUNDARY]
     if a != b:
-        return _NON_STITCH, cost[_NON_STITCH]
+        best = _SHEET if cost[_SHEET] < cost[_NON_STITCH] else _NON_STITCH
+        return best, cost[best]
     best = _NON_BOUNDARY
-    if cost[_NON_STITCH] < cost[best]:
-        best = _NON_STITCH
-    if cost[_SIDE_BY_SIDE] < cost[best]:
-        best = _SIDE_BY_SIDE
+    for kind in (_NON_STITCH, _SIDE_BY_SIDE, _SHEET):
+        if cost[kind] < cost[best]:
+            best = kind
     return best, cost[best]
 
 

@@ -2,7 +2,8 @@
 
 Costs are negative log probabilities [nats]. A labelling agrees when every grid edge fits the cells
 on both sides of it, on both layers: a boundary between inside and outside, `NON_BOUNDARY` outside,
-`SIDE_BY_SIDE` between two inside cells, `FRONT_TO_BACK` and `WRAP` on both layers or on neither.
+`SIDE_BY_SIDE` between two inside cells, `FRONT_TO_BACK` and `WRAP` on both layers or on neither,
+`SHEET` where it has a partner on the other sheet.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +22,7 @@ IMPOSSIBLE_COST = 1e6  # cost of what the channel contract has no channel for [n
 
 NEIGHBOUR_GAIN = 0.2  # what a type gains from each grid edge of the same type that it touches
 
-_NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
+_NON_BOUNDARY, _SHEET = int(EdgeType.NON_BOUNDARY), int(EdgeType.SHEET)
 
 
 @dataclass(frozen=True)
@@ -129,10 +130,41 @@ def minimise_energy(
     type_cost: Float[np.ndarray, "layer 2 type row col"],
 ) -> tuple[Bool[np.ndarray, "layer row col"], np.ndarray]:
     """Flags and types of least cost that agree, by local search from `inside`; see `UnaryCosts`."""
-    inside = inside.copy()
+    inside, type_cost = inside.copy(), type_cost.copy()
     types = np.empty((len(inside), 2, *inside.shape[1:]), np.int8)
-    for first in range(0, len(inside), 2):
-        pair = slice(first, first + 2)
+    if len(inside) <= 2:
+        type_cost[:, :, _SHEET] = IMPOSSIBLE_COST
+    pairs = [slice(first, first + 2) for first in range(0, len(inside), 2)]
+    for pair in pairs:
         minimise_pair(inside[pair], flag_cost[:, pair], type_cost[pair])
-        set_types(inside[pair], type_cost[pair], types[pair])
-    return inside, types
+    while True:
+        for pair in pairs:
+            set_types(inside[pair], type_cost[pair], types[pair])
+        # What is sewn to nothing on the other sheet takes its next best type.
+        lonely = np.argwhere((types == _SHEET) & ~_has_sheet_partner(inside, types))
+        if not len(lonely):
+            return inside, types
+        layer, side, row, col = lonely.T
+        type_cost[layer, side, _SHEET, row, col] = IMPOSSIBLE_COST
+
+
+def _has_sheet_partner(
+    inside: Bool[np.ndarray, "layer row col"], types: np.ndarray
+) -> Bool[np.ndarray, "layer 2 row col"]:
+    """Where a grid edge of type `SHEET` has cloth to be sewn to, as `decode` looks for it."""
+    found = np.zeros(types.shape, bool)
+    is_sheet = types == _SHEET
+    if not is_sheet.any():
+        return found
+    # The cells before (below, left of) each grid edge, and those that store it.
+    before = np.zeros_like(types, bool)
+    before[:, BOTTOM, 1:], before[:, LEFT, :, 1:] = inside[:, :-1], inside[:, :, :-1]
+    after = np.repeat(inside[:, None], 2, axis=1)
+    for layer in range(len(inside)):
+        for other in {layer ^ 2, layer ^ 3} & set(range(len(inside))):
+            if other == layer ^ 2:
+                sewn = (before[layer] & after[other]) | (after[layer] & before[other])
+            else:
+                sewn = (before[layer] & before[other]) | (after[layer] & after[other])
+            found[layer] |= sewn & is_sheet[other]
+    return found

@@ -31,7 +31,7 @@ def merge(count, pairs):
 
 
 @njit(cache=True)
-def neighbours(flat, lens, mask, variable, along, width, height):
+def neighbours(flat, lens, mask, layer_count, variable, along, width, height):
     """(u, v, steps) for neighbours on a lattice line; False if one variable meets itself there.
 
     Neighbours joined by a step of their arc may collapse (0 steps), others keep 1.
@@ -40,6 +40,7 @@ def neighbours(flat, lens, mask, variable, along, width, height):
         flat: [vertex, 2] the paths, one after the other, from 0 on.
         lens: [arc] vertices of each.
         mask: [arc] layers, as bits.
+        layer_count: how many layers there are.
         variable: [vertex] its variable.
         along: the axis that is moved; lattice lines run along it.
         width: larger than any x.
@@ -47,14 +48,14 @@ def neighbours(flat, lens, mask, variable, along, width, height):
     """
     other = 1 - along
     cells = width * height
-    pairs = np.empty((2 * len(flat), 3), np.int64)
+    pairs = np.empty((layer_count * len(flat), 3), np.int64)
     n = 0
     owner = np.empty(cells, np.int64)
     # `move` marks vertices from which a step of a path leads on along the line.
     move = np.empty(cells, np.bool_)
     length = width if along == 0 else height
     # Every layer is painted with its variables; then each line is read from low to high.
-    for layer in range(2):
+    for layer in range(layer_count):
         owner[:] = -1
         move[:] = False
         at = 0

@@ -325,13 +325,16 @@ def _is_inside(vertex, graph, on_axis):
 @njit(cache=True)
 def _is_busy(state, layers, vertex):
     """Whether a vertex is taken on one of the layers."""
-    return bool(layers & 1 and state.busy[0, vertex]) or bool(layers & 2 and state.busy[1, vertex])
+    for layer in range(len(state.busy)):
+        if layers >> layer & 1 and state.busy[layer, vertex]:
+            return True
+    return False
 
 
 @njit(cache=True)
 def _mark_node(graph, state, node, value):
     """Take or free the vertex of a node."""
-    for layer in range(2):
+    for layer in range(len(state.busy)):
         if graph.node_layers[node] >> layer & 1:
             state.busy[layer, state.where[node]] = value
 
@@ -339,7 +342,7 @@ def _mark_node(graph, state, node, value):
 @njit(cache=True)
 def _mark_path(graph, state, arc, value):
     """Take or free the inner vertices of an arc's path."""
-    for layer in range(2):
+    for layer in range(len(state.busy)):
         if graph.layers[arc] >> layer & 1:
             for k in range(1, state.lens[arc] - 1):
                 state.busy[layer, state.table[arc, k]] = value
@@ -368,18 +371,19 @@ def _keeps_rotations(graph, state, arc):
 @njit(cache=True)
 def _rotation(graph, state, node):
     """[layer, 4] ends of arcs counter-clockwise round a node, from the lowest on, then -1."""
-    by_direction, out = np.full((2, 4), -1), np.full((2, 4), -1)
+    layers = len(state.busy)
+    by_direction, out = np.full((layers, 4), -1), np.full((layers, 4), -1)
     width = graph.width
     for end in graph.ends[graph.first[node] : graph.first[node + 1]]:
         arc = end // 2
         # Direction of the first step away from the node: 0 right, 1 up, 2 left, 3 down.
         step = state.table[arc, state.lens[arc] - 2 if end % 2 else 1] - state.where[node]
         direction = 0 if step == 1 else 1 if step == width else 2 if step == -1 else 3
-        for layer in range(2):
+        for layer in range(layers):
             if graph.layers[arc] >> layer & 1:
                 by_direction[layer, direction] = end
     # Begun at the lowest end, equal cyclic orders are equal rows.
-    for layer in range(2):
+    for layer in range(layers):
         ring = by_direction[layer][by_direction[layer] >= 0]
         lowest = ring.argmin() if len(ring) else 0
         for k in range(len(ring)):

@@ -220,7 +220,7 @@ def find_clashes(net, traffic, routes, clashing):
     clashing[:] = False
     for arc in range(len(clashing)):
         for k in range(1, routes.lens[arc] - 1):
-            for layer in range(2):
+            for layer in range(len(traffic.use)):
                 # The arc's own use counts once.
                 is_on = net.layers[arc] >> layer & 1
                 if is_on and traffic.use[layer, routes.vertices[arc, k]] > 1:
@@ -231,7 +231,7 @@ def find_clashes(net, traffic, routes, clashing):
 def _count_use(arc, net, traffic, routes, change):
     """Add to the use of the inner vertices of an arc's path."""
     for k in range(1, routes.lens[arc] - 1):
-        for layer in range(2):
+        for layer in range(len(traffic.use)):
             if net.layers[arc] >> layer & 1:
                 traffic.use[layer, routes.vertices[arc, k]] += change
 
@@ -312,7 +312,7 @@ def _turn_cost(direction, wanted):
 @njit(cache=True)
 def _with_congestion(extra, vertex, mask, is_node, use, history, price):
     """`extra` and what the traffic on a vertex costs, or -1 where a node blocks it."""
-    for layer in range(2):
+    for layer in range(len(use)):
         if mask >> layer & 1:
             # Not reached for the goal, the one node that an arc may enter.
             if is_node[layer, vertex]:
@@ -322,57 +322,62 @@ def _with_congestion(extra, vertex, mask, is_node, use, history, price):
 
 
 @njit(cache=True)
-def choose_directions(layers, angles):
+def choose_directions(layers, angles, layer_count):
     """Directions in which arcs leave a node (see `rotation.departures`).
 
     Of all assignments of the four directions that give no two arcs of a layer one direction, and
     have on each layer the cyclic order of the angles, the one that turns the arcs least: the sum of
-    1 - cos(angle - direction) is smallest. All 4^n are tried, n at most 8.
+    1 - cos(angle - direction) is smallest. Found by branch and bound, the last end first; of equal
+    ones the first in that order.
 
     Args:
         layers: [end] bit masks of the arcs that end at the node.
         angles: [end] in which their targets leave it [radians].
+        layer_count: how many layers there are.
 
     Returns:
         [end] directions, -1 where none will do.
     """
-    best, out = FAR * FAR, np.full(len(layers), -1)
-    pick = np.zeros(len(layers), np.int64)
-    for code in range(4 ** len(layers)):
-        cost = _turning(code, layers, angles, best, pick)
-        # The order is dearer to test than the cost, and most codes fail by that.
-        if cost < best and _keeps_order(pick, layers, angles):
-            best = cost
+    count = len(layers)
+    best, out = FAR * FAR, np.full(count, -1)
+    pick = np.full(count, -1)
+    # Cost of the ends that have a direction, and the layers in which each direction is taken.
+    cost = np.zeros(count + 1)
+    taken = np.zeros((count + 1, 4), np.int64)
+    k = count - 1
+    while k < count:
+        pick[k] += 1
+        if pick[k] == 4:
+            pick[k] = -1
+            k += 1
+            continue
+        d = pick[k]
+        # 0 along the angle, at most 2 against it.
+        total = cost[k + 1] + 1.0 - np.cos(angles[k] - d * np.pi / 2)
+        # With room for rounding: what is best is decided by sums in one order.
+        if taken[k + 1, d] & layers[k] or total >= best + 1e-9:
+            continue
+        if k > 0:
+            cost[k] = total
+            taken[k] = taken[k + 1]
+            taken[k, d] |= layers[k]
+            k -= 1
+            continue
+        total = 0.0
+        for i in range(count):
+            total += 1.0 - np.cos(angles[i] - pick[i] * np.pi / 2)
+        # The order is dearer to test than the cost, and most assignments fail by that.
+        if total < best and _keeps_order(pick, layers, angles, layer_count):
+            best = total
             out[:] = pick
     return out
 
 
 @njit(cache=True)
-def _turning(code, layers, angles, limit, pick):
-    """How much the directions that are the base-4 digits of `code`, put in `pick`, turn the arcs.
-
-    At least `limit` where they turn them that much, or two arcs of a layer have one direction.
-    """
-    cost = 0.0
-    # Layers in which each direction is taken, as bits.
-    taken = np.zeros(4, np.int64)
-    for k in range(len(layers)):
-        d = code % 4
-        code //= 4
-        pick[k] = d
-        # 0 along the angle, at most 2 against it.
-        cost += 1.0 - np.cos(angles[k] - d * np.pi / 2)
-        if taken[d] & layers[k] or cost >= limit:
-            return limit
-        taken[d] |= layers[k]
-    return cost
-
-
-@njit(cache=True)
-def _keeps_order(pick, layers, angles):
+def _keeps_order(pick, layers, angles, layer_count):
     """Whether directions and angles of each layer's arcs have the same cyclic order."""
     by_direction, is_taken = np.empty(4), np.empty(4, np.bool_)
-    for layer in range(2):
+    for layer in range(layer_count):
         is_taken[:] = False
         for k in range(len(layers)):
             if layers[k] >> layer & 1:

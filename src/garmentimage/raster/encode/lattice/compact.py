@@ -210,7 +210,10 @@ def _order(axis: _Axis) -> Rows | None:
     """Rows for neighbours on a line, the strongest of equals; None if paths touch."""
     flat, layers = axis.vertices, axis.drawing.arcs.layers
     width, height = (flat.max(axis=0) + 1).tolist()
-    pairs, is_sound = neighbours(flat, axis.lens, layers, axis.variable, axis.along, width, height)
+    count = axis.drawing.layer_count
+    pairs, is_sound = neighbours(
+        flat, axis.lens, layers, count, axis.variable, axis.along, width, height
+    )
     if not is_sound:
         return None
     # One number per row, which sorts rows of the same pair by strength.

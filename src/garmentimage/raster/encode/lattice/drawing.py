@@ -190,15 +190,16 @@ class Drawing:
     nodes: Nodes
     arcs: Arcs
     grid: int
+    layer_count: int
     axis: int | None = None
     """Lattice column of the mirror axis; nothing is drawn left of it."""
     links: tuple[Link, ...] = ()
 
     @property
-    def degree(self) -> Int[np.ndarray, "2 node"]:
+    def degree(self) -> Int[np.ndarray, "layer node"]:
         """How many arcs of each layer end at each node."""
-        degree = np.zeros((2, len(self.nodes)), int)
-        for layer in (0, 1):
+        degree = np.zeros((self.layer_count, len(self.nodes)), int)
+        for layer in range(self.layer_count):
             on = self.arcs.on_layer(layer)
             np.add.at(degree[layer], np.concatenate([self.arcs.tail[on], self.arcs.head[on]]), 1)
         return degree
@@ -239,7 +240,7 @@ def drawing_of(layout: Layout, frame: BodyFrame) -> Drawing:
         desired_edges=np.array([_desired_edges(layout, i) for i in range(len(graph.arcs))]),
         weight=_weight(layout),
     )
-    return Drawing(nodes, arcs, frame.grid)
+    return Drawing(nodes, arcs, frame.grid, graph.placed.layer_count)
 
 
 def layers_used(

@@ -66,9 +66,9 @@ def polish(drawing: Drawing, paths: list[Path]) -> list[Path]:
         table=table,
         lens=lens,
         where=where,
-        busy=np.zeros((2, width * width), bool),
+        busy=np.zeros((drawing.layer_count, width * width), bool),
         energy=np.empty(len(lens)),
-        rotation=np.empty((len(nodes), 2, 4), np.int64),
+        rotation=np.empty((len(nodes), drawing.layer_count, 4), np.int64),
         search=new_search(width * width * MAX_LENGTH),
         found=np.empty(ROOM * width, np.int64),
     )

@@ -40,5 +40,5 @@ def departures(drawing: Drawing) -> Int[np.ndarray, "arc 2"]:
     degree = drawing.degree.max(axis=0)
     for node in np.flatnonzero(~nodes.on_axis & (degree > 2) & (degree <= MAX_DEGREE)):
         arc, end = np.nonzero(ends == node)
-        out[arc, end] = choose_directions(arcs.layers[arc], angles[arc, end])
+        out[arc, end] = choose_directions(arcs.layers[arc], angles[arc, end], drawing.layer_count)
     return out

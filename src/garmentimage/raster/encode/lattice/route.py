@@ -6,7 +6,7 @@ found its own (negotiated congestion, as circuits are routed; see `_kernels_rout
 """
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from garmentimage.errors import EncodeError
 from garmentimage.raster.encode.lattice._kernels_route import (
@@ -56,10 +56,9 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
     curves = [curve * fine - low for curve in arcs.curves]
     target = nodes.target * fine - low
     axis = -1 if drawing.axis is None else drawing.axis * fine - low[0]
-    # Axis nodes have the least freedom, then nodes of both layers; place breaks ties.
-    first = np.lexsort(
-        (target[:, 0].round(), target[:, 1].round(), nodes.layers != 3, ~nodes.on_axis)
-    )
+    # Axis nodes have the least freedom, then nodes of most layers; place breaks ties.
+    fewest = -np.bitwise_count(nodes.layers).astype(np.int64)
+    first = np.lexsort((target[:, 0].round(), target[:, 1].round(), fewest, ~nodes.on_axis))
     node_xy = snap_nodes(target, nodes.layers, nodes.on_axis, axis, first)
     # A corridor is all that lies within `radius` of an arc's target.
     corridors = np.empty((len(arcs), height, width), np.float32)
@@ -79,7 +78,8 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
         corridors=corridors,
         axis=int(axis),
     )
-    paths = _disjoint_paths(net, nodes.layers, _routing_order(drawing, fine))
+    on_layer = np.stack([nodes.layers >> k & 1 for k in range(drawing.layer_count)]).astype(bool)
+    paths = _disjoint_paths(net, on_layer, _routing_order(drawing, fine))
     # Every vertex wants to lie at the nearest point of its curve, its ends at their nodes.
     wanted = []
     for i, path in enumerate(paths):
@@ -124,17 +124,17 @@ def _routing_order(drawing: Drawing, fine: int) -> Int[np.ndarray, " arc"]:
 
 
 def _disjoint_paths(
-    net: Net, node_layers: Int[np.ndarray, " node"], order: Int[np.ndarray, " arc"]
+    net: Net, on_layer: Bool[np.ndarray, "layer node"], order: Int[np.ndarray, " arc"]
 ) -> list[Path]:
     """Paths that share no inner vertex in a layer: rip-up and re-route until none clash."""
     count, height, width = net.corridors.shape
     size = width * height
     # A node blocks its vertex for all paths of its layers but its own.
-    is_node = np.zeros((2, size), bool)
-    for layer in (0, 1):
-        x, y = net.node_xy[(node_layers >> layer & 1).astype(bool)].T
+    is_node = np.zeros((len(on_layer), size), bool)
+    for layer, nodes in enumerate(on_layer):
+        x, y = net.node_xy[nodes].T
         is_node[layer, y * width + x] = True
-    traffic = Traffic(is_node, np.zeros((2, size), np.int32), np.zeros((2, size)))
+    traffic = Traffic(is_node, np.zeros(is_node.shape, np.int32), np.zeros(is_node.shape))
     # A longer path winds: it is refused.
     longest = 4 * (width + height)
     routes = Routes(np.zeros((count, longest), np.int32), np.zeros(count, np.int64))

@@ -194,7 +194,7 @@ def _with_middle(curve: Float[np.ndarray, "_ 2"]) -> Float[np.ndarray, "_ 2"]:
 def _with_axis_links(half: Drawing) -> Drawing:
     """Free arcs that open a gap on the axis (a hood, a slit) first share a step along it."""
     for node in np.flatnonzero(half.nodes.on_axis).tolist():
-        for layer in (0, 1):
+        for layer in range(half.layer_count):
             leaving = [end for end in _leaving(half, layer) if end[0] == node]
             if len(leaving) != 2:
                 continue

@@ -37,7 +37,7 @@ def with_node_order(graph: SeamGraph, curves: Curves) -> Curves:
     if not graph.placed.turned:
         return curves
     found = list(curves)
-    for layer in (0, 1):
+    for layer in range(graph.placed.layer_count):
         after = _following_ends(graph, layer)
         for ends in _ends_by_node(graph, layer).values():
             for step in STEPS if len(ends) > 2 and _has_turned(graph, ends) else ():
@@ -53,7 +53,7 @@ def check_nodes(graph: SeamGraph) -> None:
     Raises:
         EncodeError: names the panels that meet there.
     """
-    for layer in (0, 1):
+    for layer in range(graph.placed.layer_count):
         after = _following_ends(graph, layer)
         for ends in _ends_by_node(graph, layer).values():
             if len(ends) <= MAX_DEGREE:

@@ -8,7 +8,6 @@ from jaxtyping import Float
 from garmentimage.geometry import centroid
 from garmentimage.raster.encode.layout.samples import INNER, Samples, ramp
 from garmentimage.raster.encode.layout.seam_graph import Arc, SeamGraph
-from garmentimage.raster.image import EdgeType
 
 REVERSED_FROM, REVERSED_FULLY = -0.3, -0.6
 """Cosine of the directions of a seam's two sides, from which on and at which it is reversed."""
@@ -53,7 +52,7 @@ def reversed_seam_targets(
         strength = reversal(graph, arc)
         if strength <= 0:
             continue
-        if arc.kind == EdgeType.SIDE_BY_SIDE:
+        if not arc.joins_faces:
             targets.append(ArcTarget(i, _between_panels(graph, arc), LONG_STRENGTH * strength))
             continue
         strength *= 1 - float(ramp(arc.length, SHORT_FULLY, SHORT_UP_TO))
@@ -110,9 +109,7 @@ def _along_silhouette(
         beyond = [
             points[samples.arcs[j, reach if other.a == node else -1 - reach]]
             for j, other in enumerate(graph.arcs)
-            if j != index
-            and other.kind in (EdgeType.FRONT_TO_BACK, EdgeType.WRAP)
-            and node in (other.a, other.b)
+            if j != index and other.joins_faces and node in (other.a, other.b)
         ]
         ends.append(np.mean(beyond, axis=0) if beyond else points[node])
     vector = ends[1] - ends[0]

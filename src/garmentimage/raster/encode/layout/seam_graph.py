@@ -33,13 +33,18 @@ class Arc:
     layers: tuple[int, ...]
     """Layers that the arc lies on."""
     kind: EdgeType
-    """NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE or WRAP."""
+    """NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE, WRAP or SHEET."""
     sides: tuple[tuple[int, int, bool], ...]
     """One or two (panel index, edge number, the edge runs against the arc)."""
     slit: bool
     """Both sides belong to one panel: a dart."""
     length: float
     """Length of the longer side [cm]."""
+
+    @property
+    def joins_faces(self) -> bool:
+        """Whether it joins the front to the back, and so lies on the silhouette."""
+        return len({layer % 2 for layer in self.layers}) == 2
 
 
 @dataclass(frozen=True)
@@ -163,8 +168,12 @@ def _arc(
     leaning = _lean(curves[first][-1]) < _lean(curves[first][0])
     a, b = corner[sides[first][0]]
     layers = tuple(sorted({p.layer for p in panels}))
-    between_layers = EdgeType.WRAP if is_cut else EdgeType.FRONT_TO_BACK
-    sewn = between_layers if len(layers) == 2 else EdgeType.SIDE_BY_SIDE
+    if len({layer // 2 for layer in layers}) == 2:
+        sewn = EdgeType.SHEET
+    elif len(layers) == 2:
+        sewn = EdgeType.WRAP if is_cut else EdgeType.FRONT_TO_BACK
+    else:
+        sewn = EdgeType.SIDE_BY_SIDE
     against_first = [back != sides[first][1] for _, back in sides]
     return Arc(
         a=b if leaning else a,

@@ -142,7 +142,7 @@ def _cascade(graph: SeamGraph, at_fault: set[int]) -> Iterator[_Step]:
     panels = graph.placed.panels
     # ... and at last panels that cannot keep their shape.
     split = {i for i, p in enumerate(panels) if p.is_part}
-    front = {i for i in split if panels[i].layer == FRONT}
+    front = {i for i in split if panels[i].layer % 2 == FRONT}
     for stage, soft in (("front", front), ("split", split), ("faulty", at_fault)):
         if soft & at_fault:
             yield _Step(f"{stage} membranes", membranes=frozenset(soft))
