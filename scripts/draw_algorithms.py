@@ -22,7 +22,7 @@ from garmentimage.drape.solver import SolverSettings
 from garmentimage.drape.start import place_on_body, start_points
 from garmentimage.examples import example_path
 from garmentimage.pattern import Pattern, without_stubs
-from garmentimage.raster import BodyFrame, EdgeType, GarmentImage
+from garmentimage.raster import EDGE_TYPE_COUNT, BodyFrame, EdgeType, GarmentImage
 from garmentimage.raster.cells import CellMesh, cell_mesh, half_edges, label_panels
 from garmentimage.raster.encode.lattice.canonical import canonical
 from garmentimage.raster.encode.lattice.drawing import drawing_of, with_links
@@ -323,7 +323,8 @@ def channel_pictures(folder: Path) -> None:
 
 
 def _short_types() -> list[str]:
-    return ["none", *(name for kind, name in TYPE_NAMES.items() if kind != EdgeType.WRAP)]
+    """Names of the edge types of contract 1."""
+    return ["none", *(TYPE_NAMES[EdgeType(k)] for k in range(1, EDGE_TYPE_COUNT))]
 
 
 def _border():

@@ -8,7 +8,7 @@
     9-16         18-25        (dx, dy) of the bottom, right, top and left edge vector [cm]
 
 Layers follow each other, the front first. Contract 1 has the first four edge types; contract 2 has
-room for eight, of which the last three are reserved: they are written as 0 and not read. Numbers of
+room for eight, of which the last two are reserved: they are written as 0 and not read. Numbers of
 flags and types may also be probabilities or logits, as networks give them; nothing here looks at
 values but `check_channels`.
 """
@@ -26,7 +26,7 @@ VECTOR_COUNT = 4  # edge vectors of a cell
 MIN_GRID, MAX_GRID = 4, 256  # smallest and largest grid that files may have
 MAX_LAYERS = 16
 
-_FRONT_TO_BACK, _WRAP = 2, 4  # of `EdgeType`, which is made of what is here
+_FRONT_TO_BACK, _WRAP, _SHEET = 2, 4, 5  # of `EdgeType`, which is made of what is here
 
 Array = TypeVar("Array")  # a numpy array or a torch tensor
 
@@ -135,7 +135,7 @@ def with_contract(
     From contract 2 to 1, cloth that wraps round has a seam there, front to back.
 
     Raises:
-        ImageError: contract 1 has no channels for what is turned.
+        ImageError: contract 1 has no channels for what is turned or sewn to another sheet.
     """
     wanted = CONTRACTS[number]
     flags, types, vectors, turned = split_channels(channels)
@@ -147,6 +147,8 @@ def with_contract(
         return join_channels(flags, types, vectors, np.zeros_like(flags))
     if turned.any():
         raise ImageError("contract 1 has no channels for panels that are turned; use contract 2")
+    if types[..., _SHEET, :, :].any():
+        raise ImageError("contract 1 has no channels for seams between sheets; use contract 2")
     kept = types[..., : wanted.edge_type_count, :, :].copy()
     kept[..., _FRONT_TO_BACK, :, :] += types[..., _WRAP, :, :]
     return join_channels(flags, kept, vectors)

@@ -153,7 +153,9 @@ class GarmentImage:
 
     @property
     def contract(self) -> Contract:
-        """The smallest channel contract that holds it: 1 where nothing wraps or is turned."""
+        """The smallest channel contract that holds it: 1 where nothing wraps, is turned or is sewn
+        to another sheet.
+        """
         plain = self.edge_type.max(initial=0) < CONTRACT_1.edge_type_count
         return 1 if plain and not self.turned.any() else 2
 
@@ -185,11 +187,15 @@ class GarmentImage:
         if chosen not in CONTRACTS:
             raise ImageError(f"no channel contract {chosen!r}; there are 1 and 2")
         if chosen < self.contract:
-            what = "panels that are turned" if self.turned.any() else "panels that wrap round"
-            raise ImageError(
-                f"contract 1 has no channels for {what}; choose contract 2"
-                + ("" if self.turned.any() else ", or cut them first: image.cut_at_wraps()")
-            )
+            remedy = "choose contract 2"
+            if self.turned.any():
+                what = "panels that are turned"
+            elif (self.edge_type == EdgeType.SHEET).any():
+                what = "seams between sheets"
+            else:
+                what = "panels that wrap round"
+                remedy += ", or cut them first: image.cut_at_wraps()"
+            raise ImageError(f"contract 1 has no channels for {what}; {remedy}")
         types = one_hot(self.edge_type, CONTRACTS[chosen].edge_type_count)
         turned = self.turned if chosen == 2 else None
         joined = join_channels(self.inside, types, self.deformation, turned)

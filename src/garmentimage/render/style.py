@@ -18,6 +18,7 @@ TYPE_COLOURS = {
     EdgeType.FRONT_TO_BACK: "#d55e00",
     EdgeType.SIDE_BY_SIDE: "#0072b2",
     EdgeType.WRAP: "#009e73",
+    EdgeType.SHEET: "#cc79a7",
 }
 """Grid edges by type (Okabe and Ito: distinct for any colour vision)."""
 
@@ -26,6 +27,7 @@ TYPE_NAMES = {
     EdgeType.FRONT_TO_BACK: "front to back",
     EdgeType.SIDE_BY_SIDE: "side by side",
     EdgeType.WRAP: "cloth goes on",
+    EdgeType.SHEET: "other sheet",
 }
 
 SEAM_COLOURS = (

@@ -152,8 +152,8 @@ def _draw_types(image: GarmentImage, layer: int, ax: "Axes") -> None:
 def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
     width = float(_origin(image, image.layers - 1)[0]) + image.grid
     y = -0.07 * image.grid
-    wraps = (image.edge_type == EdgeType.WRAP).any()
-    shown = [kind for kind in TYPE_COLOURS if wraps or kind != EdgeType.WRAP]
+    always = (EdgeType.NON_STITCH, EdgeType.FRONT_TO_BACK, EdgeType.SIDE_BY_SIDE)
+    shown = [k for k in TYPE_COLOURS if k in always or (image.edge_type == k).any()]
     entries = [*shown, None] if image.turned.any() else shown
     step = 0.62 if len(entries) == 3 else 0.5
     for k, kind in enumerate(entries):
