@@ -5,15 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from garmentimage.body import wearer
 from garmentimage.draft import draft_pattern
-from garmentimage.drape import drape_pattern
+from garmentimage.drape import drape_pattern, outfit
 from garmentimage.drape.draping import check_drape
 from garmentimage.drape.folded import FoldedPanels, folded_panels, on_panels
 from garmentimage.drape.solver.distance_field import body_field, cloth_field
+from garmentimage.drape.start import place_on_body
 from garmentimage.drape.verdict.folds import fold_faults
 from garmentimage.errors import DrapeError
-from garmentimage.pattern import lay_open
+from garmentimage.pattern import Side, lay_open
+from garmentimage.pattern.checks import check_pattern
 from tests.lapels import moebius, with_collar, with_lapels
+from tests.pockets import with_peplum, with_pocket
 
 FEW = 1200  # vertices
 
@@ -101,3 +105,45 @@ def test_what_a_garment_would_fall_off_without_is_not_put_on_later(jacket):
 def test_a_garment_sewn_with_a_twist_is_refused():
     with pytest.raises(DrapeError, match=r"panels 'a' and 'b' are sewn with a twist.*right_wrong"):
         drape_pattern(moebius())
+
+
+@pytest.fixture(scope="module")
+def shirt():
+    return with_pocket(draft_pattern("tee"), "front", (9.0, 4.0))
+
+
+def test_a_pocket_lies_on_the_cloth_that_it_is_sewn_onto(shirt):
+    worn = drape_pattern(shirt, vertices=FEW)
+    assert worn.report.faults == () and worn.report.items == 1
+    cloth = worn.cloth
+    own = np.unique(cloth.vertex_faces[on_panels(cloth, frozenset({"pocket"}))])
+    field = cloth_field(worn.points, cloth.vertex_faces[on_panels(cloth, frozenset({"front"}))])
+    above = field.at(worn.points[own])
+    assert above.min() > 0 and above.max() < 2.0
+    assert np.ptp(worn.points[own, 0]) == pytest.approx(12, abs=1.5)
+
+
+def test_a_pocket_leaves_the_garment_where_it_was_put(shirt):
+    body = wearer("mean-female")
+    alone = place_on_body(draft_pattern("tee"), body)[1][0]
+    with_one = place_on_body(shirt, body)[1][0]
+    assert alone.shift_up == with_one.shift_up and alone.site == with_one.site
+    assert "pocket" in with_one.panels
+
+
+def test_clothes_worn_together_keep_their_pockets(shirt):
+    both = outfit([shirt, draft_pattern("skirt")])
+    assert [sewn.panel for sewn in both.onto] == ["pocket"]
+    assert check_pattern(both) is not None
+
+
+def test_a_peplum_hangs_outside_from_the_line_along_which_it_is_sewn_on():
+    worn = drape_pattern(with_peplum(draft_pattern("tee")), vertices=FEW)
+    assert worn.report.faults == () and worn.report.items == 1
+    cloth = worn.cloth
+    beneath = cloth_field(worn.points, cloth.vertex_faces[on_panels(cloth, {"front", "back"})])
+    own = np.unique(cloth.vertex_faces[on_panels(cloth, {"peplum_front", "peplum_back"})])
+    assert np.percentile(beneath.at(worn.points[own]), 5) > 0
+    line = worn.points[cloth.vertex[cloth.sides[Side("peplum_front", 3)]]]
+    hem = worn.points[cloth.vertex[cloth.sides[Side("peplum_front", 1)]]]
+    assert line[:, 1].mean() - hem[:, 1].mean() == pytest.approx(16, abs=2)

@@ -20,6 +20,9 @@ from .matching import (
 from .pairing import (
     pair_garments as pair_garments,
 )
+from .pockets import (
+    onto_differences as onto_differences,
+)
 from .stitch_graphs import (
     GraphMatch as GraphMatch,
     SeamSide as SeamSide,

@@ -18,6 +18,7 @@ from garmentimage.compare.matching import (
     match_panels,
     matching_from,
 )
+from garmentimage.compare.pockets import onto_differences
 from garmentimage.compare.stitch_graphs import (
     PoseTable,
     StitchGraph,
@@ -62,6 +63,7 @@ def compare_patterns(
     Success: as many panels, each with IoU >= `SUCCESS_IOU`, the same stitch graph, and no fault
     in panels or stitches that the original has not. The likeliest assignment of panels is tried
     first (equal names, then shape and place); where it fails, any that fulfils all of this will do.
+    What is sewn onto cloth must lie within `PLACE_TOL_CM` of its place on it.
 
     Args:
         original: the pattern that went in.
@@ -143,7 +145,10 @@ class _Comparison:
             for p in matching.pairs
             if p.iou < SUCCESS_IOU
         ]
-        return reasons + same_stitch_graph(*self.graphs, matching.panel_map, poses=self.poses)
+        reasons += same_stitch_graph(*self.graphs, matching.panel_map, poses=self.poses)
+        return reasons + onto_differences(
+            self.original, self.decoded, matching.panel_map, any_pose=self.any_pose
+        )
 
     def search(self) -> Matching | None:
         """Any assignment of panels under which the patterns are the same."""
@@ -155,7 +160,9 @@ class _Comparison:
             for p, row in zip(self.original.panels, self.iou.max(axis=0), strict=True)
         }
         match = match_graphs(*self.graphs, candidates, poses=self.poses)
-        if match is None:
+        if match is None or onto_differences(
+            self.original, self.decoded, match.panels, any_pose=self.any_pose
+        ):
             return None
         return matching_from(self.original, self.decoded, match.panels, any_pose=self.any_pose)
 

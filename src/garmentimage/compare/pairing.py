@@ -70,13 +70,20 @@ def pair_garments(truth: Pattern, found: Pattern) -> Pairing:
             same = _laid(graphs, candidates)
     paired = dict(same) if same is not None else paired
     poses = _poses(truth, found, paired, iou)
-    seen = replace(
-        found,
-        panels=tuple(
-            posed_panel(p, POSES[poses[p.name]]) if poses.get(p.name) else p for p in found.panels
-        ),
-    )
+    seen = posed(found, {name: POSES[pose] for name, pose in poses.items() if pose})
     return Pairing(seen, matching_from(truth, seen, paired), graphs, same is not None)
+
+
+def posed(pattern: Pattern, poses: Mapping[str, Float[np.ndarray, "2 2"]]) -> Pattern:
+    """The same garment, own coordinates of some panels mirrored or turned; see `posed_panel`."""
+    onto = []
+    for sewn in pattern.onto:
+        own, base = (poses.get(name, np.eye(2)) for name in (sewn.panel, sewn.on))
+        (a, b), (c, d) = (base @ np.array(sewn.matrix) @ own.T).tolist()
+        x, y = (base @ np.array(sewn.offset)).tolist()
+        onto.append(replace(sewn, matrix=((a, b), (c, d)), offset=(x, y)))
+    panels = (posed_panel(p, poses[p.name]) if p.name in poses else p for p in pattern.panels)
+    return replace(pattern, panels=tuple(panels), onto=tuple(onto))
 
 
 def posed_panel(panel: Panel, pose: Float[np.ndarray, "2 2"]) -> Panel:

@@ -4,13 +4,11 @@ The frame of a panel says nothing of its shape. Without marks a decoded panel ha
 that of the grid, or midway between those of two parts that were joined.
 """
 
-from dataclasses import replace
-
 import numpy as np
-from jaxtyping import Complex
+from jaxtyping import Complex, Float
 
 from garmentimage.compare.matching import BOUNDARY_POINTS, loop_polygon, panel_iou
-from garmentimage.compare.pairing import posed_panel
+from garmentimage.compare.pairing import posed, posed_panel
 from garmentimage.geometry import resample
 from garmentimage.pattern import Panel, Pattern
 
@@ -25,7 +23,7 @@ def turned_freely(truth: Pattern, found: Pattern) -> Pattern:
     """
     boundaries = {panel.name: _boundary(panel) for panel in truth.panels}
 
-    def turned(panel: Panel) -> Panel:
+    def turn(panel: Panel) -> Float[np.ndarray, "2 2"] | None:
         area = abs(panel.outline.area)
         likely = [
             other
@@ -33,7 +31,7 @@ def turned_freely(truth: Pattern, found: Pattern) -> Pattern:
             if MIN_AREA_RATIO * area <= abs(other.outline.area) <= area / MIN_AREA_RATIO
         ]
         if not likely:
-            return panel
+            return None
         own = _boundary(panel)
         fits = []
         for other in likely:
@@ -43,13 +41,15 @@ def turned_freely(truth: Pattern, found: Pattern) -> Pattern:
             fits.append(_best_turn(wanted, own))
         best = max(range(len(likely)), key=lambda k: fits[k][0])
         cos, sin = np.cos(fits[best][1]), np.sin(fits[best][1])
-        candidate = posed_panel(panel, np.array([[cos, -sin], [sin, cos]]))
+        pose = np.array([[cos, -sin], [sin, cos]])
+        candidate = posed_panel(panel, pose)
         before, after = (
             panel_iou(likely[best], each, any_pose=True) for each in (panel, candidate)
         )
-        return candidate if after > before + GAIN else panel
+        return pose if after > before + GAIN else None
 
-    return replace(found, panels=tuple(map(turned, found.panels)))
+    turns = {panel.name: turn(panel) for panel in found.panels}
+    return posed(found, {name: pose for name, pose in turns.items() if pose is not None})
 
 
 def _boundary(panel: Panel) -> Complex[np.ndarray, " point"]:

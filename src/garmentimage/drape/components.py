@@ -20,6 +20,7 @@ from garmentimage.drape.girths import chest_level
 from garmentimage.drape.mesh import Rest
 from garmentimage.drape.start import Placement
 from garmentimage.drape.support import SupportSite
+from garmentimage.drape.world_panels import sewn_on_panels
 from garmentimage.geometry import component_labels
 from garmentimage.pattern import Side
 
@@ -53,7 +54,7 @@ def garment_items(
     *,
     tucked: bool = False,
 ) -> tuple[GarmentItem, ...]:
-    """The items of a garment, in the order in which they are put on.
+    """The items of a garment, in the order in which they are put on; what is sewn on is not one.
 
     Skirts, trousers and strapless clothes come first and what hangs (tops) over them, or after them
     where the top is `tucked` in. Of two that are alike, the one whose front and back are drawn
@@ -63,11 +64,14 @@ def garment_items(
     label = component_labels(cloth.vertex_count, faces[:, [0, 1, 1, 2]].reshape(-1, 2))
     label_of_face = label[faces[:, 0]]
     names = [panel.name for panel in cloth.pattern.panels]
+    sewn_on = sewn_on_panels(cloth.pattern)
     over = _over_shoulders(start, body)
     found = []
     for k in range(label.max() + 1):
         own = label_of_face == k
         name = names[cloth.face_panel[own][0]]
+        if name in sewn_on:
+            continue
         placement = next(s for s in placements if name in s.panels)
         hangs = placement.site is SupportSite.SHOULDERS
         hangs_only = hangs and not placement.is_supported

@@ -10,7 +10,14 @@ from garmentimage.drape.draped_garment import DrapedGarment
 from garmentimage.drape.fabric import Fabric, load_fabric
 from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.folded import folded_panels
-from garmentimage.drape.layers import belt, garment_layers, interfaced, pressed_fold
+from garmentimage.drape.layers import (
+    LayerRole,
+    belt,
+    garment_layers,
+    interfaced,
+    pressed_fold,
+    sewn_lines,
+)
 from garmentimage.drape.mesh import DEFAULT_VERTICES, check_size, mesh, rest_of
 from garmentimage.drape.solver import (
     SolverSettings,
@@ -18,7 +25,7 @@ from garmentimage.drape.solver import (
     body_field,
     solve,
 )
-from garmentimage.drape.start import fold_onto, place_on_body, start_points, tuck_in
+from garmentimage.drape.start import fold_onto, lay_onto, place_on_body, start_points, tuck_in
 from garmentimage.drape.support import SupportSite
 from garmentimage.drape.verdict import assess_drape
 from garmentimage.drape.world_panels import connected_garments
@@ -92,9 +99,12 @@ def drape_pattern(
     for layer in layers:
         part = rest.part(layer.vertices, layer.faces)
         hold, material = belt(layer), fabric
-        if layer.is_folded:
+        if layer.role is LayerRole.FOLDED:
             points = fold_onto(cloth, points, folded, field, fabric.thickness)
             hold, material = pressed_fold(cloth, layer, folded, points), interfaced(fabric)
+        elif layer.role is LayerRole.SEWN_ON:
+            points[layer.own] = lay_onto(cloth, points, field, fabric.thickness)[layer.own]
+            hold = sewn_lines(cloth, layer, points)
         elif tucked and band is not None and layer.item.placement.site is SupportSite.SHOULDERS:
             part = tuck_in(part, start[layer.vertices], body, band)
         motion = solve(
@@ -144,8 +154,8 @@ def _check_sewn(pattern: Pattern) -> None:
         if not part.stitches:
             raise DrapeError(
                 f"{name}: panel {first} is sewn to nothing, so nothing holds it on a body "
-                "(stitches join edges, they sew no pocket onto cloth); sew it to the garment, or "
-                "leave it out"
+                '(stitches join edges; what is sewn onto cloth stands in "onto"); sew it to the '
+                "garment, or leave it out"
             )
 
 

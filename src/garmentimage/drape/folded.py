@@ -5,7 +5,7 @@ right side out (see `pattern.turned`). A **stand** is a collar's panel that stan
 is sewn to it but not to what it lies on. Where the two meet the collar rolls over.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,7 +68,7 @@ def folded_panels(pattern: Pattern, holding: frozenset[str] = frozenset()) -> Fo
     return FoldedPanels(frozenset(turned), frozenset(stands), seams)
 
 
-def on_panels(cloth: Cloth, names: frozenset[str]) -> Bool[np.ndarray, " face"]:
+def on_panels(cloth: Cloth, names: Set[str]) -> Bool[np.ndarray, " face"]:
     """Which triangles belong to panels of these names."""
     own = np.array([panel.name in names for panel in cloth.pattern.panels])
     on: np.ndarray = own[cloth.face_panel]
@@ -92,7 +92,8 @@ def _is_whole(pattern: Pattern, without: set[str]) -> bool:
     """Whether a garment is all sewn together without some of its panels."""
     left = tuple(panel for panel in pattern.panels if panel.name not in without)
     stitches = tuple(s for s in pattern.stitches if not {s.a.panel, s.b.panel} & without)
-    return len(connected_garments(Pattern(left, stitches))) == 1
+    onto = tuple(each for each in pattern.onto if not {each.panel, each.on} & without)
+    return len(connected_garments(Pattern(left, stitches, onto=onto))) == 1
 
 
 def _neighbours(stitches: Sequence[Stitch]) -> dict[str, set[str]]:

@@ -3,11 +3,13 @@
 Cloth of one layer does not keep cloth of the same layer off. Lapels and collars simulated together
 with what they lie on would fall through it, and into the neck opening. Hence they are a layer by
 themselves: they begin folded onto the cloth at rest (`start.folding`) and are held along their
-seams. They are kept off what lies beneath, and do not press on it.
+seams. They are kept off what lies beneath, and do not press on it. So are pockets, and whatever
+else is sewn onto the cloth of a panel, held along the edges that are sewn on.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -19,6 +21,7 @@ from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.folded import FoldedPanels, on_panels
 from garmentimage.drape.solver import Attachment
 from garmentimage.drape.start import ROLL, from_seams
+from garmentimage.drape.world_panels import sewn_on_panels
 
 BELT_STIFFNESS, MAX_BELT_PULL = 1e5, 3e6
 """A belt or an elastic keeps each vertex at its height with this stiffness [dyn/cm], and holds the
@@ -30,6 +33,14 @@ INTERFACING = 10.0
 """Collars and lapels are stiffened: they resist bending so many times as much as their fabric."""
 
 
+class LayerRole(Enum):
+    """What a layer is, which says where it begins and what holds it."""
+
+    PLAIN = "plain"
+    FOLDED = "folded over"
+    SEWN_ON = "sewn on"
+
+
 @dataclass(frozen=True, eq=False)
 class GarmentLayer:
     """Cloth of one item that is simulated at once."""
@@ -37,24 +48,28 @@ class GarmentLayer:
     item: GarmentItem
     faces: Bool[np.ndarray, " face"]  # its triangles
     vertices: Int[np.ndarray, " n"]  # their vertices, in rising order
-    own: Int[np.ndarray, " m"]  # those that it moves: all but the ones sewn to the cloth beneath
-    is_folded: bool  # whether it is what is folded over
+    own: Int[np.ndarray, " m"]  # those that it moves: all but the ones stitched to cloth beneath
+    role: LayerRole
 
 
 def garment_layers(
     cloth: Cloth, items: Sequence[GarmentItem], folded: FoldedPanels
 ) -> list[GarmentLayer]:
-    """All cloth in the order in which it is put on: what is folded over last of its item."""
+    """All cloth in the order in which it is put on: first an item's own, then what is over it."""
     layers = []
     is_over = on_panels(cloth, folded.names)
     for item in items:
         faces = np.isin(cloth.vertex_faces[:, 0], item.vertices)
         beneath = np.unique(cloth.vertex_faces[faces & ~is_over])
-        layers.append(GarmentLayer(item, faces & ~is_over, beneath, beneath, False))
+        layers.append(GarmentLayer(item, faces & ~is_over, beneath, beneath, LayerRole.PLAIN))
         if (over := faces & is_over).any():
             vertices = np.unique(cloth.vertex_faces[over])
             own = np.setdiff1d(vertices, beneath)
-            layers.append(GarmentLayer(item, over, vertices, own, True))
+            layers.append(GarmentLayer(item, over, vertices, own, LayerRole.FOLDED))
+        sewn_on = on_panels(cloth, sewn_on_panels(cloth.pattern) & item.placement.panels)
+        if sewn_on.any():
+            vertices = np.unique(cloth.vertex_faces[sewn_on])
+            layers.append(GarmentLayer(item, sewn_on, vertices, vertices, LayerRole.SEWN_ON))
     return layers
 
 
@@ -94,6 +109,17 @@ def pressed_fold(
     held = np.flatnonzero(stiffness[layer.vertices])
     vertices = layer.vertices[held]
     return Attachment(held, start[vertices], np.tile(stiffness[vertices], (3, 1)).T)
+
+
+def sewn_lines(
+    cloth: Cloth, layer: GarmentLayer, start: Float[np.ndarray, "vertex 3"]
+) -> Attachment:
+    """Holds what is sewn on along the edges that are, where they begin; `start` as above."""
+    sides = [side for sewn in cloth.pattern.onto for side in sewn.sides]
+    lines = [cloth.vertex[cloth.sides[side]] for side in sides]
+    held = np.flatnonzero(np.isin(layer.vertices, np.concatenate(lines)))
+    targets = start[layer.vertices[held]]
+    return Attachment(held, targets, np.full(targets.shape, np.inf))
 
 
 def interfaced(fabric: Fabric) -> Fabric:

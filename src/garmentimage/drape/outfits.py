@@ -8,7 +8,7 @@ from garmentimage.drape.draping import check_placed
 from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.mesh import check_size
 from garmentimage.drape.start import place_on_body
-from garmentimage.pattern import Panel, Pattern, Side, Stitch
+from garmentimage.pattern import Panel, Pattern, SewnOnto, Side, Stitch
 
 
 def outfit(
@@ -29,6 +29,7 @@ def outfit(
         check_size(pattern)
     panels: list[Panel] = []
     stitches: list[Stitch] = []
+    onto: list[SewnOnto] = []
     for pattern in patterns:
         check_placed(pattern)
         placed, _ = place_on_body(pattern, body, made_for=made_for)
@@ -46,8 +47,9 @@ def outfit(
             )
             for stitch in placed.stitches
         ]
+        onto += [replace(sewn, panel=names[sewn.panel], on=names[sewn.on]) for sewn in placed.onto]
     name = " + ".join(pattern.name for pattern in patterns)
-    return Pattern(tuple(panels), tuple(stitches), name)
+    return Pattern(tuple(panels), tuple(stitches), name, tuple(onto))
 
 
 def _free(name: str, taken: Container[str]) -> str:

@@ -11,7 +11,7 @@ Nothing here depends on where the origin of the pattern's file is, but for the m
 """
 
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -127,9 +127,25 @@ def connected_garments(pattern: Pattern) -> list[Pattern]:
             tuple(panel for panel in pattern.panels if panel.name in names),
             tuple(stitch for stitch in pattern.stitches if stitch.a.panel in names),
             pattern.name,
+            tuple(sewn for sewn in pattern.onto if sewn.panel in names),
         )
         for names in map(set, components(pattern))
     ]
+
+
+def sewn_on_panels(pattern: Pattern) -> frozenset[str]:
+    """Names of the panels that are sewn onto others, and of those that are stitched to them."""
+    sewn_on = {sewn.panel for sewn in pattern.onto}
+    parts = components(replace(pattern, onto=())) if sewn_on else []
+    return frozenset(name for names in parts if sewn_on & set(names) for name in names)
+
+
+def without_pockets(pattern: Pattern) -> Pattern:
+    """The garment without what is sewn onto it."""
+    over = sewn_on_panels(pattern)
+    left = tuple(panel for panel in pattern.panels if panel.name not in over)
+    stitches = tuple(stitch for stitch in pattern.stitches if stitch.a.panel not in over)
+    return replace(pattern, panels=left, stitches=stitches, onto=()) if over else pattern
 
 
 def openings_of(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> list[Opening]:

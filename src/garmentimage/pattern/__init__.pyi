@@ -18,6 +18,7 @@ from .model import (
     Pattern as Pattern,
     Point as Point,
     Quadratic as Quadratic,
+    SewnOnto as SewnOnto,
     Side as Side,
     Stitch as Stitch,
     Vector as Vector,

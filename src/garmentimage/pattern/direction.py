@@ -86,6 +86,10 @@ def turned_round(pattern: Pattern, names: Collection[str]) -> Pattern:
             for panel in pattern.panels
         ),
         stitches=tuple(replace(s, a=side(s.a), b=side(s.b)) for s in pattern.stitches),
+        onto=tuple(
+            replace(o, edges=tuple(sorted(side(edge).edge for edge in o.sides)))
+            for o in pattern.onto
+        ),
     )
 
 

@@ -28,7 +28,11 @@ def without_stubs(pattern: Pattern) -> Pattern:
         for stitch in pattern.stitches
         if stitch.a not in left_out
     )
-    return replace(pattern, panels=tuple(panels), stitches=stitches)
+    onto = tuple(
+        replace(o, edges=tuple(number[side].edge for side in o.sides if side in number))
+        for o in pattern.onto
+    )
+    return replace(pattern, panels=tuple(panels), stitches=stitches, onto=onto)
 
 
 def _without(panel: Panel, gone: Container[int], kept: list[int]) -> Panel:

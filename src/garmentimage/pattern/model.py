@@ -184,6 +184,28 @@ class Stitch:
 
 
 @dataclass(frozen=True)
+class SewnOnto:
+    """Edges of a panel that are sewn onto the cloth of another, away from its edges: a pocket."""
+
+    panel: str
+    edges: tuple[int, ...]
+    """Of `panel`, in rising order."""
+    on: str
+    matrix: tuple[Point, Point]
+    """2 x 2 orthogonal, rows: place on the panel `on` = matrix @ place on `panel` + offset."""
+    offset: Point  # [cm]
+
+    def carried(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
+        """Places on `panel` as places on the panel that it is sewn onto [cm]."""
+        return np.asarray(np.asarray(points, float) @ np.array(self.matrix).T + self.offset)
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        """The edges that are sewn on."""
+        return tuple(Side(self.panel, edge) for edge in self.edges)
+
+
+@dataclass(frozen=True)
 class Pattern:
     """A garment: panels and the stitches between them."""
 
@@ -191,6 +213,8 @@ class Pattern:
     stitches: tuple[Stitch, ...] = ()
     name: str = field(default="", compare=False)
     """What to call the garment in messages and pictures: the file's stem. Not part of equality."""
+    onto: tuple[SewnOnto, ...] = ()
+    """Panels sewn onto the cloth of others."""
     extra: Mapping[str, Any] = field(default_factory=dict)
     """What else the file held, by place: "top" (beside "pattern"), "pattern", "properties", and
     "ours" (in the field "garmentimage")."""

@@ -42,6 +42,8 @@ class EdgeType(IntEnum):
     SHEET = 5
     """Sewn to cloth of the other sheet: to the neighbouring cell on the same face of the body, else
     to the same place of the opposite face."""
+    ONTO = 6
+    """On the boundary of a panel of the outer sheet: sewn onto the cloth beneath it."""
 
 
 BOTTOM, LEFT = 0, 1
@@ -190,8 +192,8 @@ class GarmentImage:
             remedy = "choose contract 2"
             if self.turned.any():
                 what = "panels that are turned"
-            elif (self.edge_type == EdgeType.SHEET).any():
-                what = "seams between sheets"
+            elif (self.edge_type >= EdgeType.SHEET).any():
+                what = "seams between sheets of cloth"
             else:
                 what = "panels that wrap round"
                 remedy += ", or cut them first: image.cut_at_wraps()"

@@ -19,6 +19,7 @@ TYPE_COLOURS = {
     EdgeType.SIDE_BY_SIDE: "#0072b2",
     EdgeType.WRAP: "#009e73",
     EdgeType.SHEET: "#cc79a7",
+    EdgeType.ONTO: "#e69f00",
 }
 """Grid edges by type (Okabe and Ito: distinct for any colour vision)."""
 
@@ -28,6 +29,7 @@ TYPE_NAMES = {
     EdgeType.SIDE_BY_SIDE: "side by side",
     EdgeType.WRAP: "cloth goes on",
     EdgeType.SHEET: "other sheet",
+    EdgeType.ONTO: "onto cloth",
 }
 
 SEAM_COLOURS = (

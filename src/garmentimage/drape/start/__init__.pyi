@@ -2,6 +2,7 @@ from .folding import (
     ROLL as ROLL,
     fold_onto as fold_onto,
     from_seams as from_seams,
+    lay_onto as lay_onto,
 )
 from .placement import (
     EASE as EASE,

@@ -1,4 +1,4 @@
-"""Lapels and collars begin folded onto the cloth at rest beneath them."""
+"""Lapels and collars begin folded onto the cloth at rest beneath them, pockets lying on it."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -47,6 +47,23 @@ def fold_onto(
     beneath = np.unique(cloth.vertex_faces[~on_panels(cloth, folded.names)])
     start[beneath] = points[beneath]
     return start
+
+
+def lay_onto(
+    cloth: Cloth, points: Float[np.ndarray, "vertex 3"], field: DistanceField, gap: float
+) -> Float[np.ndarray, "vertex 3"]:
+    """Where the vertices of what is sewn onto cloth begin, that cloth being at `points` [cm].
+
+    Each panel lies where it is sewn on, at least `gap` [cm] outside of `field`, which wears the
+    cloth beneath. What is only stitched to such panels begins at `points`.
+    """
+    corners, outward = points[cloth.vertex], np.zeros((len(cloth.vertex), 3))
+    number = {panel.name: k for k, panel in enumerate(cloth.pattern.panels)}
+    for sewn in cloth.pattern.onto:
+        own, base = (np.flatnonzero(cloth.panel == number[n]) for n in (sewn.panel, sewn.on))
+        places = sewn.carried(cloth.flat[own])
+        corners[own], outward[own] = _carried(cloth, points, base, places)
+    return _lifted(cloth.sewn(corners), cloth.sewn(outward), field, gap)
 
 
 def from_seams(

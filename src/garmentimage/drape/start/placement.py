@@ -45,6 +45,7 @@ from garmentimage.drape.world_panels import (
     mean_height,
     panels_in_world,
     seam_length,
+    without_pockets,
 )
 from garmentimage.errors import DraftError
 from garmentimage.pattern import Circle, Loop, Panel, Pattern, Side
@@ -151,13 +152,15 @@ def place_on_body(
 
 
 def _place(pattern: Pattern, body: Body, scale: float, left: float) -> tuple[Pattern, Placement]:
-    panels = panels_in_world(pattern)
-    support = find_support(pattern, panels, body)
+    # Pockets hold nothing up, and their own places in the file are not where they are sewn on.
+    alone = without_pockets(pattern)
+    panels = panels_in_world(alone)
+    support = find_support(alone, panels, body)
     match support.site:
         case SupportSite.SHOULDERS:
             hold = _on_shoulders(panels, support, body)
         case SupportSite.WAIST:
-            hold = _at_waist(pattern, panels, support, body)
+            hold = _at_waist(alone, panels, support, body)
         case SupportSite.CHEST:
             hold = _at_chest(panels, support, body)
     report = Placement(
@@ -165,7 +168,7 @@ def _place(pattern: Pattern, body: Body, scale: float, left: float) -> tuple[Pat
         site=support.site,
         reason=support.reason,
         is_certain=support.is_certain,
-        panels=frozenset(panels),
+        panels=frozenset(panel.name for panel in pattern.panels),
         seams=tuple(side for seam in support.seams for side in seam.sides),
         shift_forward=_forward(panels, body, hold.shift_up),
         shift_left=left,
@@ -197,7 +200,11 @@ def _scaled(pattern: Pattern, scale: float) -> Pattern:
         x, y, z = panel.translation
         to = (x * scale, y * scale, z * scale)
         panels.append(replace(panel, outline=outline, holes=tuple(holes), translation=to))
-    return replace(pattern, panels=tuple(panels))
+    onto = tuple(
+        replace(sewn, offset=(sewn.offset[0] * scale, sewn.offset[1] * scale))
+        for sewn in pattern.onto
+    )
+    return replace(pattern, panels=tuple(panels), onto=onto)
 
 
 def _scaled_loop(loop: Loop, scale: float) -> Loop:

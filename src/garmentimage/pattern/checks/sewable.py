@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.errors import PatternError, StitchError, quoted
-from garmentimage.geometry import connected_components, polyline_length
+from garmentimage.geometry import CHORDS, connected_components, polyline_length
 from garmentimage.pattern.checks.placement import placement_findings
 from garmentimage.pattern.checks.split_seams import half_sewn_findings
 from garmentimage.pattern.finding import Finding, some
@@ -52,6 +52,9 @@ GRAIN_TOL = 1e-6
 ARC_TOL = 1e-12
 """Share by which a radius may fall short of half the chord before it is called too short."""
 
+RIGID_TOL = 1e-4  # how far the matrix of what is sewn onto cloth may be from orthonormal
+BEYOND_CM = 0.5  # what is sewn onto cloth may lie so far beyond it
+
 FAR_AWAY = 1e5  # panel coordinates beyond this lose precision for nothing [cm]
 MAX_USUAL_EDGES = 1_000  # more edges than this in one panel are likely a traced outline
 MAX_GATHER_RATIO = 3.5
@@ -84,6 +87,7 @@ def check_pattern(
         *_check_stubs(pattern),
         *_check_lengths(pattern, numbers),
         *half_sewn_findings(pattern, numbers),
+        *_check_places_on(pattern),
         *_check_assembly(pattern),
         *placement_findings(pattern),
     )
@@ -111,6 +115,7 @@ def check_structure(pattern: Pattern, *, stitch_numbers: Sequence[int] | None = 
         _check_panel_structure(panel)
     numbers = range(len(pattern.stitches)) if stitch_numbers is None else stitch_numbers
     _check_stitches(pattern, numbers)
+    _check_onto(pattern)
 
 
 def check_name(name: str) -> None:
@@ -258,6 +263,61 @@ def _check_stitches(pattern: Pattern, numbers: Sequence[int]) -> None:
             user[side] = number
 
 
+def _check_onto(pattern: Pattern) -> None:
+    """Check what is sewn onto cloth: panels and edges exist, once, and the place is rigid."""
+    taken = {side for stitch in pattern.stitches for side in stitch.sides}
+    seen: set[str] = set()
+    for sewn in pattern.onto:
+        for name in (sewn.panel, sewn.on):
+            if name not in pattern.by_name:
+                raise StitchError(
+                    f"panel {quoted(sewn.panel)} is sewn onto panel {quoted(sewn.on)}: there is no "
+                    f"panel {quoted(name)}"
+                )
+        place = f"{panel_place(sewn.panel)}, sewn onto panel {quoted(sewn.on)}"
+        if sewn.panel == sewn.on or sewn.panel in seen:
+            raise StitchError(f"{place}: it can be sewn onto one other panel; remove the rest")
+        seen.add(sewn.panel)
+        count = len(pattern.by_name[sewn.panel].outline.edges)
+        if not sewn.edges or list(sewn.edges) != sorted(set(sewn.edges) & set(range(count))):
+            raise StitchError(
+                f"{place}: its edges are {list(sewn.edges)}; name edges of its outline, 0 to "
+                f"{count - 1}, once each and in order"
+            )
+        both = taken & set(sewn.sides)
+        if both:
+            edge = min(side.edge for side in both)
+            raise StitchError(f"{place}: edge {edge} is also stitched to an edge; remove one")
+        matrix = np.array(sewn.matrix, float)
+        numbers = np.array([*matrix.ravel(), *sewn.offset])
+        rigid = np.abs(matrix @ matrix.T - np.eye(2)).max() <= RIGID_TOL
+        if not (np.abs(numbers) <= MAX_COORDINATE).all() or not rigid:
+            raise StitchError(
+                f"{place}: its place is no rigid motion; give a matrix of orthonormal rows and an "
+                "offset in cm"
+            )
+
+
+def _check_places_on(pattern: Pattern) -> list[Finding]:
+    """What is sewn onto a panel but lies beyond its cloth."""
+    import shapely
+
+    found = []
+    for sewn in pattern.onto:
+        outline, *holes = (loop.polygon for loop in pattern.by_name[sewn.on].loops)
+        cloth = shapely.Polygon(outline, holes).buffer(BEYOND_CM)
+        lines = [sewn.carried(pattern.curve(side).sample(CHORDS)) for side in sewn.sides]
+        if not all(cloth.covers(shapely.LineString(line)) for line in lines):
+            found.append(
+                Finding(
+                    panel_place(sewn.panel),
+                    f"is sewn onto panel {quoted(sewn.on)}, but lies partly beyond its cloth; "
+                    "move it, or sew it into the seam there",
+                )
+            )
+    return found
+
+
 def _check_shape(panel: Panel) -> list[Finding]:
     """Area, size and simplicity of the panel's loops."""
     place = panel_place(panel.name)
@@ -384,7 +444,7 @@ def _check_assembly(pattern: Pattern) -> list[Finding]:
     """Parts that are not connected."""
     if len(pattern.panels) == 1:
         return []
-    if not pattern.stitches:
+    if not pattern.stitches and not pattern.onto:
         return [Finding("pattern.stitches", f"{len(pattern.panels)} panels and no stitches")]
     pieces = components(pattern)
     if len(pieces) == 1:
@@ -407,9 +467,10 @@ def _check_assembly(pattern: Pattern) -> list[Finding]:
 
 
 def components(pattern: Pattern) -> list[list[str]]:
-    """Names of the panels that are connected by stitches, in the order of the panels."""
+    """Names of the panels that are sewn together or onto each other, in the order of the panels."""
     number = {panel.name: k for k, panel in enumerate(pattern.panels)}
     joined = [(number[s.a.panel], number[s.b.panel]) for s in pattern.stitches]
+    joined += [(number[o.panel], number[o.on]) for o in pattern.onto]
     return [
         [pattern.panels[k].name for k in members]
         for members in connected_components(len(number), joined)

@@ -7,13 +7,16 @@ relative control points. Fields that we do not know come back where they were.
 What the format has no place for lives in one field, "garmentimage", beside "pattern":
 
     "garmentimage": {
-      "schema": 1,
+      "schema": 1 or 2,
       "panels": {NAME: {
         "holes":       [{"vertices": [...], "edges": [...]}],   as in a panel
         "grain":       [x, y],                                  unit direction of the warp
         "notches":     [{"edge": k, "at": share of its length}],
         "cloth_layer": 1 }},
-      "stitches": [{"position": k, "stitch": [...]}] }          stitches that touch a hole
+      "stitches": [{"position": k, "stitch": [...]}],           stitches that touch a hole
+      "onto": [{"panel": NAME, "edges": [k, ...],               edges sewn onto cloth: schema 2
+                "on": NAME, "matrix": [[a, b], [c, d]],         place on it = matrix @ own place
+                "offset": [x, y]}] }                            + offset
 
 Edges of holes are numbered on after the panel's own edges. A pattern without such things is
 written without the field.

@@ -10,7 +10,17 @@ from garmentimage.pattern.files.spec_reader import (
     SCHEMA,
     ordered_names,
 )
-from garmentimage.pattern.model import Circle, Cubic, Edge, Loop, Panel, Pattern, Quadratic, Stitch
+from garmentimage.pattern.model import (
+    Circle,
+    Cubic,
+    Edge,
+    Loop,
+    Panel,
+    Pattern,
+    Quadratic,
+    SewnOnto,
+    Stitch,
+)
 
 WRITTEN_PROPERTIES = {
     "curvature_coords": "relative",
@@ -108,7 +118,19 @@ def _ours_spec(pattern: Pattern) -> dict[str, Any]:
         **({"panels": panels} if panels else {}),
         **({"stitches": stitches} if stitches else {}),
     }
-    return {"schema": SCHEMA, **ours} if ours else {}
+    if pattern.onto:
+        return {"schema": SCHEMA, **ours, "onto": [_onto_spec(sewn) for sewn in pattern.onto]}
+    return {"schema": 1, **ours} if ours else {}
+
+
+def _onto_spec(sewn: SewnOnto) -> dict[str, Any]:
+    return {
+        "panel": sewn.panel,
+        "edges": list(sewn.edges),
+        "on": sewn.on,
+        "matrix": [list(row) for row in sewn.matrix],
+        "offset": list(sewn.offset),
+    }
 
 
 def _panel_ours(panel: Panel) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from garmentimage.pattern import (
 from garmentimage.raster.decode.boundary import Boundary, Cluster
 from garmentimage.raster.decode.fit_edges import FittedPanels
 from garmentimage.raster.decode.naming import panel_names
+from garmentimage.raster.decode.pockets import Frame, sewn_onto
 from garmentimage.raster.decode.whole_panels import WrappedPlace, wrapped_place
 from garmentimage.raster.image import GarmentImage, PanelMark
 
@@ -102,6 +103,7 @@ def assemble(
     loops = fitted.seams.loops
     panels = []
     side_of: dict[tuple[int, int], Side] = {}
+    flat: dict[int, Frame] = {}
     for k, own in sorted(fitted.members.items()):
         edges = [(i, number) for i in own for number in range(len(loops[i]))]
         side_of |= {edge: Side(names[k], number) for number, edge in enumerate(edges)}
@@ -119,8 +121,11 @@ def assemble(
         drawn = [_posed(loop, np.eye(2), move) for loop in drawn]
         shift = frames.shifts[k] - frames.matrices[k] @ move
         panels.append(_flat(names[k], drawn, clusters[k], frames.matrices[k], shift))
+        if len(members) == 1:
+            flat[k] = frames.matrices[k], shift
     sewn = tuple(Stitch(side_of[a], side_of[b]) for a, b in fitted.seams.stitches)
-    pattern = Pattern(tuple(panels), sewn, image.name)
+    onto = sewn_onto(image, clusters, fitted, flat, names)
+    pattern = Pattern(tuple(panels), sewn, image.name, onto)
     turned = {names[k] for k in fitted.members if _is_turned(clusters, fitted.whole == k)}
     if not turned:
         return pattern

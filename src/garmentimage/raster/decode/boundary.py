@@ -54,6 +54,8 @@ class Boundary:
     preceding: Int[np.ndarray, " half"]
     wraps: Bool[np.ndarray, " half"]
     """Whether the cloth goes on beyond it, round the body, in the panel of its partner."""
+    is_onto: Bool[np.ndarray, " half"]  # whether it is sewn onto the cloth beneath it
+    place: Int[np.ndarray, "half 4"]  # layer, row and column of its cell, and its side of it
 
     @property
     def loops(self) -> list[list[int]]:
@@ -80,7 +82,7 @@ class Boundary:
         free = (mine == NONE) & (theirs == NONE)
         tip = theirs == np.arange(len(mine))
         sewn_on = (mine != NONE) & (theirs != NONE) & ~tip & (mine == before[theirs])
-        changes = self.wraps != self.wraps[before]
+        changes = (self.wraps != self.wraps[before]) | (self.is_onto != self.is_onto[before])
         starts: Bool[np.ndarray, " half"] = (self.following != NONE) & (~(free | sewn_on) | changes)
         return starts
 
@@ -109,6 +111,8 @@ def trace_boundary(image: GarmentImage, clusters: Sequence[Cluster]) -> Boundary
         onward,
         preceding,
         (kind == EdgeType.WRAP) & (partner != NONE),
+        kind == EdgeType.ONTO,
+        np.concatenate([each.place for each in sides]),
     )
 
 

@@ -21,6 +21,7 @@ from garmentimage.errors import EncodeError
 from garmentimage.geometry import signed_area
 from garmentimage.pattern import FRONTAL, Pattern, Point, floor_shift, fold_seams
 from garmentimage.raster.encode.joints import find_joints
+from garmentimage.raster.encode.pockets import cut_beneath
 from garmentimage.raster.encode.split import PanelPart, SplitPattern, split_wrapping
 
 FRONT, BACK = 0, 1
@@ -90,6 +91,20 @@ class PlacedSeam:
     """The start of `a` meets the end of `b`."""
     is_cut: bool = False
     """Where a panel was cut in two: the cloth goes on, round the body."""
+    is_inner: bool = False
+    """Between a panel and what lies beneath a pocket on it: the cloth goes on."""
+
+
+@dataclass(frozen=True)
+class Beneath:
+    """What lies beneath a side of a panel that is sewn onto another's cloth."""
+
+    side: tuple[int, int]
+    """A side of what was cut out beneath it."""
+    crossed: bool
+    """The start of one lies on the end of the other."""
+    is_sewn: bool
+    """Whether this side is sewn on; the opening of a pocket is not."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +118,12 @@ class Placed:
     panel's own frame [cm]."""
     turned: Set[str] = frozenset()
     """Names of the pattern's panels that were laid open, their wrong side out."""
+    whole: Mapping[int, int] = field(default_factory=dict)
+    """For each part that lies hidden beneath others the panel that it is a part of."""
+    beneath: Mapping[tuple[int, int], "Beneath"] = field(default_factory=dict)
+    """For each side of a pocket, and each that is sewn onto cloth, the side beneath it."""
+    middles: Mapping[str, Float[np.ndarray, " 2"]] = field(default_factory=dict)
+    """Where something is sewn onto cloth, centres of area by panel, in its own frame [cm]."""
 
     @property
     def layer_count(self) -> int:
@@ -135,12 +156,18 @@ def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
     poses = {id(p): (m, _offset(split, p, m)) for p, m in zip(split.parts, matrices, strict=True)}
     for part in split.parts:
         part.layer += 2 * sheets[part.source]
+    middles = {part.source: split.own_centre(part) for part in split.parts if not part.is_part}
+    sewn_on = cut_beneath(split, pattern.onto)
+    for each in sewn_on:
+        matrix, offset = poses[id(each.base)]
+        poses[id(each.hidden)] = matrix, offset
+        poses[id(each.part)] = matrix @ each.matrix, matrix @ each.offset + offset
     # By layer and place, so that file order cannot matter.
     parts = sorted(split.parts, key=lambda p: (p.layer, _lean(split, p), p.name))
     where = {edge: (i, k) for i, p in enumerate(parts) for k, edge in enumerate(p.edges)}
     panels = tuple(_placed(split, p, *poses[id(p)]) for p in parts)
     sewn = [
-        PlacedSeam(where[e], where[f], crossed, is_cut=e in split.cuts)
+        PlacedSeam(where[e], where[f], crossed, e in split.cuts, e in split.inner)
         for e, (f, crossed) in split.sewn.items()
     ]
     seams = tuple(sorted((s for s in sewn if s.a < s.b), key=lambda s: (s.a, s.b)))
@@ -149,27 +176,60 @@ def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
     joined: dict[str, tuple[Point, ...]] = {}
     for side in joints.kept:
         joined[side.panel] = (*joined.get(side.panel, ()), pattern.curve(side).start)
-    return Placed(panels, seams, joined, turned)
+    number = {id(part): i for i, part in enumerate(parts)}
+    return Placed(
+        panels,
+        seams,
+        joined,
+        turned,
+        whole=_roots({number[id(each.hidden)]: number[id(each.base)] for each in sewn_on}),
+        beneath={
+            where[edge]: Beneath(where[hidden], crossed, is_sewn)
+            for each in sewn_on
+            for edge, hidden, crossed, is_sewn in each.sides
+        },
+        middles=middles if sewn_on else {},
+    )
+
+
+def _roots(base_of: Mapping[int, int]) -> dict[int, int]:
+    """For each hidden part the panel that it is a part of in the end."""
+    roots = {}
+    for part, base in base_of.items():
+        while base in base_of:
+            base = base_of[base]
+        roots[part] = base
+    return roots
 
 
 def _sheets(pattern: Pattern, turned: Set[str]) -> dict[str, int]:
     """On which sheet each panel lies: 0, or 1 where it has an outer cloth layer.
 
-    A turned panel lies on the sheet of what it is sewn to.
+    A turned panel lies on the sheet of what it is sewn to, a pocket on the one over its base.
     """
-    layers = sorted({p.cloth_layer for p in pattern.panels if p.name not in turned})
+    base_of = {sewn.panel: sewn.on for sewn in pattern.onto}
+    plain = [p for p in pattern.panels if p.name not in turned and p.name not in base_of]
+    layers = sorted({panel.cloth_layer for panel in plain})
     if len(layers) > MAX_SHEETS:
-        third = next(p for p in pattern.panels if p.cloth_layer == layers[MAX_SHEETS])
+        third = next(panel for panel in plain if panel.cloth_layer == layers[MAX_SHEETS])
         raise EncodeError(
             f"its panels lie on {len(layers)} cloth layers, and an image has room for "
             f"{MAX_SHEETS}; leave out panel {third.name[:80]!r} of cloth layer {third.cloth_layer}",
             remedy="pattern",
         )
-    sheets = {p.name: layers.index(p.cloth_layer) for p in pattern.panels if p.name not in turned}
+    sheets = {panel.name: layers.index(panel.cloth_layer) for panel in plain}
     folds = fold_seams(pattern, turned)
     for name in sorted(turned):
         beneath = folds[name][1].panel if name in folds else name
         sheets[name] = sheets.get(beneath, 0)
+    for name, base in base_of.items():
+        sheets[name] = sheets.get(base, MAX_SHEETS) + 1
+        if sheets[name] >= MAX_SHEETS:
+            raise EncodeError(
+                f"panel {name[:80]!r} is sewn onto panel {base[:80]!r}, which lies on other cloth "
+                "itself; an image has room for two cloth layers: leave it out",
+                remedy="pattern",
+            )
     return sheets
 
 

@@ -12,6 +12,7 @@ from garmentimage.compare import (
     compare_patterns,
     lengths_agree,
     match_graphs,
+    onto_differences,
     same_stitch_graph,
     stitch_graph,
     surely_same,
@@ -54,11 +55,12 @@ def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Dispr
     except DecodeError as error:
         return Disproof(f"its image cannot be decoded: {error}")
     back = stitch_graph(decoded)
-    if surely_same(pattern, decoded, (graph, back)):
-        return Disproof()
     # With marks every panel has its name again, so that no other assignment is searched.
     same = {name: name for name in graph.panels if name in back.panels}
-    lost = same_stitch_graph(graph, back, same)
+    lost = onto_differences(pattern, decoded, same)
+    if not lost and surely_same(pattern, decoded, (graph, back)):
+        return Disproof()
+    lost = lost or same_stitch_graph(graph, back, same)
     if not lost:
         result = compare_patterns(pattern, decoded)
         if result.success:

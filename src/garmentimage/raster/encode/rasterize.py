@@ -83,9 +83,14 @@ def rasterize(
     deformation = np.zeros((layers, 4, 2, frame.grid, frame.grid), np.float32)
     marks = []
     for i, panel in enumerate(graph.placed.panels):
+        if i in graph.placed.whole:
+            continue
         mask = owner[panel.layer] == i
         _deform(drawn, i, mask, edge_type[panel.layer], deformation[panel.layer])
-        marks.append(_mark(pattern, panel, mask, _divisions(drawn, i)))
+        middle = graph.placed.middles.get(panel.source)
+        if middle is None or panel.is_part:
+            middle = (centroid(panel.outline) - panel.offset) @ panel.matrix
+        marks.append(_mark(pattern, panel, mask, middle, _divisions(drawn, i)))
     return GarmentImage(
         inside=owner >= 0,
         edge_type=edge_type,
@@ -125,7 +130,8 @@ def _edge_types(drawn: _Drawn) -> EdgeTypes:
     for arc, path in zip(drawn.graph.arcs, drawn.paths, strict=True):
         corner = np.minimum(path[:-1], path[1:])
         upright = (path[:-1, 0] == path[1:, 0]).astype(int)
-        for layer in arc.layers:
+        # Inside a panel the cloth goes on; only the pocket on it has an edge there.
+        for layer in arc.layers[1:] if arc.is_inner else arc.layers:
             types[layer, upright, corner[:, 1], corner[:, 0]] = arc.kind
     return types
 
@@ -159,6 +165,8 @@ def _fill_panels(drawn: _Drawn) -> Int[np.ndarray, "layer row col"]:
                 remedy="either",
             )
         owner[panel.layer][mask] = i
+    for hidden, base in graph.placed.whole.items():
+        owner[owner == hidden] = base
     return owner
 
 
@@ -169,7 +177,7 @@ def _check_clusters(
     inside = owner >= 0
     labels, count = label_panels(inside, edge_type)
     pairs = set(zip(owner[inside].tolist(), labels[inside].tolist(), strict=True))
-    if not len(pairs) == count == len(graph.placed.panels):
+    if not len(pairs) == count == len(graph.placed.panels) - len(graph.placed.whole):
         panels = graph.placed.panels
         parts = [a for a, _ in pairs]
         torn = next((a for a in parts if parts.count(a) > 1), 0)
@@ -204,13 +212,14 @@ def _boundary_targets(
 
     The vertices along an edge are spread evenly by length.
     """
-    panel = drawn.graph.placed.panels[index]
     # Numbers of the cells, in a rim of cells off the grid, which are none.
     number = np.full(np.add(mask.shape, 2), -1)
     number[1:-1, 1:-1][mask] = np.arange(len(mesh.cells))
+    parts = [index, *(k for k, base in drawn.graph.placed.whole.items() if base == index)]
     corner_of = np.array([[0, 3], [1, 2]])  # [dx, dy] -> bl, tl, br, tr
     target = np.full((mesh.vertex_count, 2), np.nan)
-    for k, path, cell in drawn.edges(index):
+    for number_of_part, (k, path, cell) in ((n, each) for n in parts for each in drawn.edges(n)):
+        panel = drawn.graph.placed.panels[number_of_part]
         points = resample(panel.curves[k], np.linspace(0, 1, len(path)))
         if bow := drawn.bows.get((panel.source, panel.origin[k])):
             points = bowed(points, bow)
@@ -250,11 +259,11 @@ def _mark(
     pattern: Pattern,
     panel: PlacedPanel,
     mask: Bool[np.ndarray, "row col"],
+    middle: Float[np.ndarray, " 2"],
     divisions: tuple[Division, ...],
 ) -> PanelMark:
-    """The panel's name and own frame, for decoding."""
+    """The panel's name and own frame, its middle there at `middle` [cm], for decoding."""
     source = pattern.by_name[panel.source]
-    middle = (centroid(panel.outline) - panel.offset) @ panel.matrix
     row, col = np.argwhere(mask)[0]
     (a, b), (c, d) = panel.matrix.tolist()
     return PanelMark(

@@ -71,6 +71,8 @@ class SplitPattern:
     is a part of, or begins with."""
     cuts: set[int] = field(default_factory=set)
     """The edges that were made by cutting panels in two."""
+    inner: set[int] = field(default_factory=set)
+    """The edges round what was cut out beneath pockets."""
     _own_centres: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
     """Centres of area already found, by outer loop."""
     numbers: Iterator[int] = field(default_factory=itertools.count)
@@ -253,7 +255,7 @@ def _choose_vertices(
     ranks = itertools.product(range(len(first)), range(len(second)))
     pairs = [(first[m], second[n]) for m, n in sorted(ranks, key=sum)]
     chosen = next((p for p in pairs if _balance(split, part, *p) > MIN_PART_SHARE), pairs[-1])
-    return [_vertex_at(split, part, place) for place in chosen]
+    return [vertex_at(split, part, place) for place in chosen]
 
 
 def _layer_changes(split: SplitPattern, part: PanelPart, undecided: set[int]) -> list[float]:
@@ -296,7 +298,7 @@ def _balance(split: SplitPattern, part: PanelPart, a: float, b: float) -> float:
     return min(share, 1 - share)
 
 
-def _vertex_at(split: SplitPattern, part: PanelPart, place: float) -> int:
+def vertex_at(split: SplitPattern, part: PanelPart, place: float) -> int:
     """The edge that starts at a place on the outer loop, split off there if need be."""
     starts = _starts(split, part)
     here = np.abs(starts[:-1] - place) < 1e-6

@@ -11,7 +11,7 @@ costs this much more."""
 
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
-_WRAP, _SHEET = int(EdgeType.WRAP), int(EdgeType.SHEET)
+_WRAP, _SHEET, _ONTO = int(EdgeType.WRAP), int(EdgeType.SHEET), int(EdgeType.ONTO)
 _SWEEPS = 20
 
 # The labels are the flag f of every cell and the type t of every grid edge. Minimised is
@@ -48,7 +48,10 @@ def best_single(a, b, cost):
     if not a and not b:
         return _NON_BOUNDARY, cost[_NON_BOUNDARY]
     if a != b:
-        best = _SHEET if cost[_SHEET] < cost[_NON_STITCH] else _NON_STITCH
+        best = _NON_STITCH
+        for kind in (_SHEET, _ONTO):
+            if cost[kind] < cost[best]:
+                best = kind
         return best, cost[best]
     best = _NON_BOUNDARY
     for kind in (_NON_STITCH, _SIDE_BY_SIDE, _SHEET):

@@ -3,7 +3,7 @@
 Costs are negative log probabilities [nats]. A labelling agrees when every grid edge fits the cells
 on both sides of it, on both layers: a boundary between inside and outside, `NON_BOUNDARY` outside,
 `SIDE_BY_SIDE` between two inside cells, `FRONT_TO_BACK` and `WRAP` on both layers or on neither,
-`SHEET` where it has a partner on the other sheet.
+`SHEET` where it has a partner on the other sheet, `ONTO` round cloth over other cloth.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,8 @@ IMPOSSIBLE_COST = 1e6  # cost of what the channel contract has no channel for [n
 
 NEIGHBOUR_GAIN = 0.2  # what a type gains from each grid edge of the same type that it touches
 
-_NON_BOUNDARY, _SHEET = int(EdgeType.NON_BOUNDARY), int(EdgeType.SHEET)
+_NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
+_SHEET, _ONTO = int(EdgeType.SHEET), int(EdgeType.ONTO)
 
 
 @dataclass(frozen=True)
@@ -132,6 +133,7 @@ def minimise_energy(
     """Flags and types of least cost that agree, by local search from `inside`; see `UnaryCosts`."""
     inside, type_cost = inside.copy(), type_cost.copy()
     types = np.empty((len(inside), 2, *inside.shape[1:]), np.int8)
+    type_cost[:2, :, _ONTO] = IMPOSSIBLE_COST
     if len(inside) <= 2:
         type_cost[:, :, _SHEET] = IMPOSSIBLE_COST
     pairs = [slice(first, first + 2) for first in range(0, len(inside), 2)]
@@ -141,20 +143,21 @@ def minimise_energy(
         for pair in pairs:
             set_types(inside[pair], type_cost[pair], types[pair])
         # What is sewn to nothing on the other sheet takes its next best type.
-        lonely = np.argwhere((types == _SHEET) & ~_has_sheet_partner(inside, types))
+        between_sheets = np.isin(types, (_SHEET, _ONTO))
+        lonely = np.argwhere(between_sheets & ~_has_sheet_partner(inside, types))
         if not len(lonely):
             return inside, types
         layer, side, row, col = lonely.T
-        type_cost[layer, side, _SHEET, row, col] = IMPOSSIBLE_COST
+        type_cost[layer, side, types[layer, side, row, col], row, col] = IMPOSSIBLE_COST
 
 
 def _has_sheet_partner(
     inside: Bool[np.ndarray, "layer row col"], types: np.ndarray
 ) -> Bool[np.ndarray, "layer 2 row col"]:
-    """Where a grid edge of type `SHEET` has cloth to be sewn to, as `decode` looks for it."""
+    """Where a grid edge of type `SHEET` or `ONTO` has cloth to be sewn to, as `decode` finds it."""
     found = np.zeros(types.shape, bool)
-    is_sheet = types == _SHEET
-    if not is_sheet.any():
+    is_sheet, is_onto = types == _SHEET, types == _ONTO
+    if not (is_sheet | is_onto).any():
         return found
     # The cells before (below, left of) each grid edge, and those that store it.
     before = np.zeros_like(types, bool)
@@ -166,5 +169,9 @@ def _has_sheet_partner(
                 sewn = (before[layer] & after[other]) | (after[layer] & before[other])
             else:
                 sewn = (before[layer] & before[other]) | (after[layer] & after[other])
-            found[layer] |= sewn & is_sheet[other]
+            found[layer] |= sewn & is_sheet[other] & is_sheet[layer]
+        if layer >= 2:
+            # One panel lies beneath both sides of what is sewn onto it.
+            goes_on = before[layer - 2] & after[layer - 2] & (types[layer - 2] == _NON_BOUNDARY)
+            found[layer] |= is_onto[layer] & goes_on
     return found

@@ -142,7 +142,7 @@ def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
 
     Names of panels say too little (half of all patterns have a "front"). A panel that reaches the
     chest is of a top, and of a dress if it also reaches the thighs; what is sewn to a dress at the
-    chest or the arms is dress, too.
+    chest or the arms is dress, too. A pocket is of what it is sewn onto.
     """
     cloth, panels = garment.cloth, garment.cloth.pattern.panels
     floor, crown = garment.body.vertices[:, 1].min(), garment.body.vertices[:, 1].max()
@@ -156,9 +156,10 @@ def panel_groups(garment: DrapedGarment) -> tuple[str, ...]:
     pairs = [(number[s.a.panel], number[s.b.panel]) for s in cloth.pattern.stitches]
     item = component_labels(len(panels), np.array(pairs, int).reshape(-1, 2))
     dress |= top & np.isin(item, item[dress])
-    return tuple(
-        "dress" if d else "top" if t else "bottom" for d, t in zip(dress, top, strict=True)
-    )
+    groups = ["dress" if d else "top" if t else "bottom" for d, t in zip(dress, top, strict=True)]
+    for sewn in cloth.pattern.onto:
+        groups[number[sewn.panel]] = groups[number[sewn.on]]
+    return tuple(groups)
 
 
 def cloth_lines(cloth: Cloth) -> tuple[Int[np.ndarray, "seam 2"], Int[np.ndarray, "hem 2"]]:

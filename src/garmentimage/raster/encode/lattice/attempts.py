@@ -109,7 +109,7 @@ def _slit(graph: SeamGraph) -> str:
     """For a message: the shortest free edge, where it is too short to be meant for an opening."""
     lengths: dict[tuple[int, frozenset[int]], float] = {}
     for arc in graph.arcs:
-        if arc.kind == EdgeType.NON_STITCH:
+        if arc.kind == EdgeType.NON_STITCH and not arc.is_inner:
             # An edge that closes on itself is two arcs, but one opening.
             opening = arc.sides[0][0], frozenset((arc.a, arc.b))
             lengths[opening] = lengths.get(opening, 0.0) + arc.length

@@ -232,7 +232,9 @@ def drawing_of(layout: Layout, frame: BodyFrame) -> Drawing:
         tail=tail,
         head=head,
         layers=layers,
-        is_free=np.array([arc.kind == EdgeType.NON_STITCH for arc in graph.arcs]),
+        is_free=np.array(
+            [arc.kind == EdgeType.NON_STITCH and not arc.is_inner for arc in graph.arcs]
+        ),
         on_axis=np.zeros(len(graph.arcs), bool),
         curves=curves,
         min_edges=_min_edges(tail, head, layers),

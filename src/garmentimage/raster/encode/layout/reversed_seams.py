@@ -76,7 +76,7 @@ def short_arc_targets(graph: SeamGraph) -> list[ArcTarget]:
 
 def reversal(graph: SeamGraph, arc: Arc) -> float:
     """1 for a seam whose two sides point against each other, 0 for others, fading between."""
-    if len(arc.sides) < 2 or arc.slit:
+    if len(arc.sides) != 2 or arc.slit:
         return 0.0
     first, second = (_chord(graph, side) for side in arc.sides)
     cosine = first @ second / (np.hypot(*first) * np.hypot(*second) + 1e-9)

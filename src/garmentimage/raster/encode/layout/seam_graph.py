@@ -33,13 +33,19 @@ class Arc:
     layers: tuple[int, ...]
     """Layers that the arc lies on."""
     kind: EdgeType
-    """NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE, WRAP or SHEET."""
+    """NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE, WRAP, SHEET or ONTO."""
     sides: tuple[tuple[int, int, bool], ...]
-    """One or two (panel index, edge number, the edge runs against the arc)."""
+    """One or two (panel index, edge number, the edge runs against the arc); three round a pocket,
+    whose kind is that of the pocket's side."""
     slit: bool
     """Both sides belong to one panel: a dart."""
     length: float
     """Length of the longer side [cm]."""
+
+    @property
+    def is_inner(self) -> bool:
+        """Whether it lies inside the cloth of a panel, beneath a side of a pocket."""
+        return len(self.sides) == 3
 
     @property
     def joins_faces(self) -> bool:
@@ -96,7 +102,12 @@ def build_seam_graph(placed: Placed) -> SeamGraph:
 
 def _sides(placed: Placed) -> list[tuple[tuple[Side, bool], ...]]:
     """Per arc its sides, each with whether it runs against the first."""
-    sewn = [((s.a, False), (s.b, s.crossed)) for s in placed.seams]
+    over = {each.side: (side, each.crossed) for side, each in placed.beneath.items()}
+    sewn: list[tuple[tuple[Side, bool], ...]] = []
+    for seam in placed.seams:
+        pair = ((seam.a, False), (seam.b, seam.crossed))
+        third = [(over[side][0], over[side][1] != back) for side, back in pair if side in over]
+        sewn.append((*pair, *third))
     taken = {side for pair in sewn for side, _ in pair}
     sides = [(i, k) for i, panel in enumerate(placed.panels) for k in range(len(panel.curves))]
     return [*sewn, *(((side, False),) for side in sides if side not in taken)]
@@ -111,9 +122,11 @@ def _merged_corners(placed: Placed) -> dict[Side, tuple[int, int]]:
                 ends[i, k] = (i, k), (i, following)
     number = {corner: n for n, corner in enumerate(ends)}
     parent = np.arange(len(number))
-    for seam in placed.seams:
-        first, second = ends[seam.a], ends[seam.b]
-        for mine, theirs in zip(first, second[::-1] if seam.crossed else second, strict=True):
+    together = [(seam.a, seam.b, seam.crossed) for seam in placed.seams]
+    together += [(side, each.side, each.crossed) for side, each in placed.beneath.items()]
+    for one, other, crossed in together:
+        first, second = ends[one], ends[other]
+        for mine, theirs in zip(first, second[::-1] if crossed else second, strict=True):
             union(parent, number[mine], number[theirs])
     return {
         side: (find_root(parent, number[first]), find_root(parent, number[last]))
@@ -168,7 +181,10 @@ def _arc(
     leaning = _lean(curves[first][-1]) < _lean(curves[first][0])
     a, b = corner[sides[first][0]]
     layers = tuple(sorted({p.layer for p in panels}))
-    if len({layer // 2 for layer in layers}) == 2:
+    if len(sides) == 3:
+        is_sewn = placed.beneath[sides[2][0]].is_sewn
+        sewn = EdgeType.ONTO if is_sewn else EdgeType.NON_STITCH
+    elif len({layer // 2 for layer in layers}) == 2:
         sewn = EdgeType.SHEET
     elif len(layers) == 2:
         sewn = EdgeType.WRAP if is_cut else EdgeType.FRONT_TO_BACK
@@ -179,7 +195,7 @@ def _arc(
         a=b if leaning else a,
         b=a if leaning else b,
         layers=layers,
-        kind=sewn if len(sides) == 2 else EdgeType.NON_STITCH,
+        kind=sewn if len(sides) > 1 else EdgeType.NON_STITCH,
         sides=tuple((*sides[n][0], against_first[n] != leaning) for n in order),
         slit=len(sides) == 2 and panels[0] is panels[1],
         length=max(map(polyline_length, curves)),
