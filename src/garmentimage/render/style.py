@@ -38,6 +38,9 @@ SEAM_COLOURS = (
 )  # fmt: skip
 """Seams in turn (Okabe and Ito, Tol); the number beside a seam settles what colour cannot."""
 
+SEWN_ON = TYPE_COLOURS[EdgeType.ONTO]
+"""Lines along which panels are sewn onto others."""
+
 NAME_LIMIT = 28  # longest name that is written out
 
 

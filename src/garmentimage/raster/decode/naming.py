@@ -77,10 +77,18 @@ def _name(image: GarmentImage, cluster: Cluster) -> str:
     left, right = _body_box(image, cluster)[:, 0]
     face = "front" if cluster.outward > 0 else "back"
     central = bool(left < -CENTRE_TOL_CM and right > CENTRE_TOL_CM)
-    kind = _kind(image, cluster, central=central)
+    kind = _kind_sewn_on(image, cluster) or _kind(image, cluster, central=central)
     if central:
         return f"{kind}_{face}"
     return f"{'left' if left + right > 0 else 'right'}_{kind}_{face}"
+
+
+def _kind_sewn_on(image: GarmentImage, cluster: Cluster) -> str:
+    """What is sewn onto cloth: a pocket, or a peplum where it is also sewn to others."""
+    types = set(half_edges(cluster.mesh, image.edge_type[cluster.layer]).edge_type.tolist())
+    if EdgeType.ONTO not in types:
+        return ""
+    return "pocket" if types <= {EdgeType.ONTO, EdgeType.NON_STITCH} else "peplum"
 
 
 def _kind(image: GarmentImage, cluster: Cluster, *, central: bool) -> str:

@@ -12,7 +12,15 @@ from jaxtyping import Float
 from garmentimage.geometry import centroid
 from garmentimage.pattern import Pattern, Side, sewn_runs
 from garmentimage.render.flat.arrangement import DrawnPanel, arrange, bounds
-from garmentimage.render.style import FAINT, INK, LAYER_TINTS, SEAM_COLOURS, printable, write
+from garmentimage.render.style import (
+    FAINT,
+    INK,
+    LAYER_TINTS,
+    SEAM_COLOURS,
+    SEWN_ON,
+    printable,
+    write,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,6 +69,7 @@ def draw_pattern(pattern: Pattern, ax: "Axes", *, room: tuple[float, float] = (0
     seams = seam_numbers(pattern)
     _draw_cloth(placed, ax)
     _draw_edges(placed, seams, ax)
+    _draw_sewn_on(pattern, placed, letter, ax)
     named = len(placed) <= MAX_NAMES
     for p in placed:
         if (ends := _grain_arrow(p, letter, named=named)) is not None:
@@ -148,6 +157,32 @@ def _draw_edges(placed: tuple[DrawnPanel, ...], seams: dict[Side, int], ax: "Axe
     ax.add_collection(
         LineCollection(lines, colors=colours, linewidths=widths, capstyle="round", zorder=2)
     )
+
+
+def _draw_sewn_on(
+    pattern: Pattern, placed: tuple[DrawnPanel, ...], letter: float, ax: "Axes"
+) -> None:
+    """Dashed, on the panels beneath, where others are sewn on, with their names."""
+    from matplotlib.collections import LineCollection
+
+    drawn = {each.panel.name: each for each in placed}
+    for sewn in pattern.onto:
+        base, own = drawn[sewn.on], drawn[sewn.panel]
+        curves = (pattern.curve(side) for side in sewn.sides)
+        lines = [
+            sewn.carried(curve.sample(1 if curve.is_straight else CURVE_CHORDS)) for curve in curves
+        ]
+        own_lines = _lines(own)
+        for points, width, dashes in (
+            ([base.place(line) for line in lines], 1.1, (0, (3, 2))),
+            ([own_lines[k] for k in sewn.edges], 1.8, "solid"),
+        ):
+            look = {"colors": SEWN_ON, "linewidths": width, "linestyles": dashes}
+            ax.add_collection(LineCollection(points, zorder=2.6, **look))
+        drawn_lines = np.concatenate([base.place(line) for line in lines])
+        x, y = float(drawn_lines[:, 0].mean()), float(drawn_lines[:, 1].min())
+        size = 0.8 * letter / _cm_per_point(ax)
+        write(ax, x, y - letter / 4, printable(sewn.panel), color=SEWN_ON, fontsize=size, va="top")
 
 
 def _draw_numbers(

@@ -155,9 +155,10 @@ def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
     always = (EdgeType.NON_STITCH, EdgeType.FRONT_TO_BACK, EdgeType.SIDE_BY_SIDE)
     shown = [k for k in TYPE_COLOURS if k in always or (image.edge_type == k).any()]
     entries = [*shown, None] if image.turned.any() else shown
-    step = 0.62 if len(entries) == 3 else 0.5
+    # The lettering is as large however many grids are beside each other.
+    step = (0.62 if len(entries) == 3 else 0.5) * max(image.layers / 2, 1)
     for k, kind in enumerate(entries):
-        x = width / 2 + (k - (len(entries) - 1) / 2) * image.grid * step - 0.26 * image.grid
+        x = width / 2 + (k - (len(entries) - 1) / 2) * image.grid * step - step / 2 * image.grid
         length = 0.07 * image.grid
         if kind is None:
             half = 0.02 * image.grid
