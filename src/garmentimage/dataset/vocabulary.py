@@ -31,6 +31,13 @@ NOUNS: Mapping[str, str] = {
     "tank": "tank top",
     "jacket": "jacket",
     "hoodie": "hoodie",
+    "blazer": "blazer",
+    "coat": "coat",
+    "vest": "vest",
+    "blouse": "blouse",
+    "cargo-pants": "cargo trousers",
+    "pocket-skirt": "skirt",
+    "peplum-top": "peplum top",
 }
 SLEEVE_LENGTH_WORDS: Levels = ((0.5, "short"), (0.8, "three-quarter"), (9.9, "long"))
 """By `sleeve_length`, as a share of the arm."""

@@ -6,12 +6,13 @@ joins one edge to one edge.
 """
 
 from bisect import bisect_right
+from collections.abc import Iterable
 from itertools import accumulate, islice, pairwise
 
 from garmentimage.draft.curves import lengths_of
 from garmentimage.draft.panel import EdgeRef, PanelDraft, Seam
-from garmentimage.geometry import Curve
-from garmentimage.pattern import Panel, Pattern, Side, Stitch, loop_from_curves
+from garmentimage.geometry import Curve, Point
+from garmentimage.pattern import Panel, Pattern, SewnOnto, Side, Stitch, loop_from_curves
 
 SEAM_TOL = 0.01
 """Seams that are sewn flat are equally long within this [cm]."""
@@ -26,7 +27,8 @@ class Assembly:
         self._panels: dict[str, PanelDraft] = {}
         self._lengths: dict[str, list[float]] = {}
         self._cuts: dict[tuple[str, int], list[float]] = {}
-        self._stitches: list[tuple[tuple[EdgeRef, int], tuple[EdgeRef, int]]] = []
+        self._stitches: list[tuple[tuple[EdgeRef, int], tuple[EdgeRef, int], bool]] = []
+        self._onto: list[tuple[str, frozenset[str], str, Point]] = []
 
     def add(self, *panels: PanelDraft) -> None:
         """Take panels in; their edges are measured together, so many at a time are quicker."""
@@ -46,27 +48,39 @@ class Assembly:
         """Length of a seam [cm]."""
         return sum([self._lengths[panel][number] for panel, number in seam])
 
-    def sew(self, a: Seam, b: Seam, *, fullness: float = 1.0) -> None:
+    def sew(self, a: Seam, b: Seam, *, fullness: float = 1.0, turned: bool = False) -> None:
         """Sew two seams together, the start of one to the end of the other.
 
         Args:
             a: edges in the order of their loops.
             b: edges in the order of their loops; `a` meets them from the last to the first.
             fullness: how many times as long as `b` the seam `a` is: 1 where nothing is gathered.
+            turned: right side to wrong side, as what is folded over: start meets start.
         """
         assert abs(self.length(a) - fullness * self.length(b)) <= SEAM_TOL * fullness, (a, b)
         for ref in (*a, *b):
             assert ref not in self._cuts, f"{ref} is sewn twice"
             self._cuts[ref] = []
         if len(a) == len(b) == 1:
-            self._stitches.append(((a[0], 0), (b[0], 0)))
+            self._stitches.append(((a[0], 0), (b[0], 0), turned))
             return
-        backwards = b[::-1]
-        ends_a, ends_b = self._ends(a), self._ends(backwards)
+        facing = b if turned else b[::-1]
+        ends_a, ends_b = self._ends(a), self._ends(facing)
         ends = _merged(ends_a, ends_b)
         pieces_a = self._cut(a, ends_a, ends, backwards=False)
-        pieces_b = self._cut(backwards, ends_b, ends, backwards=True)
-        self._stitches += zip(pieces_a, pieces_b, strict=True)
+        pieces_b = self._cut(facing, ends_b, ends, backwards=not turned)
+        self._stitches += [(p, q, turned) for p, q in zip(pieces_a, pieces_b, strict=True)]
+
+    def sew_onto(self, panel: str, labels: Iterable[str], on: str, offset: Point) -> None:
+        """Sew the edges of a panel with these labels onto another's cloth.
+
+        Args:
+            panel: what is sewn on, drawn as it lies on the other.
+            labels: of its edges.
+            on: the panel beneath.
+            offset: where the origin of `panel` lies on it [cm].
+        """
+        self._onto.append((panel, frozenset(labels), on, offset))
 
     def sew_pairs(self, a: PanelDraft, b: PanelDraft, label: str) -> None:
         """Sew all edges of one label on a panel to those on another, side by side of the wearer."""
@@ -88,8 +102,21 @@ class Assembly:
             return Side(ref.panel, firsts[ref.panel][ref.number] + piece)
 
         panels = tuple(_panel(draft, cut[draft.name]) for draft in self._panels.values())
-        stitches = tuple(Stitch(side(*a), side(*b)) for a, b in self._stitches)
-        return Pattern(panels, stitches, name=name)
+        stitches = tuple(
+            Stitch(side(*a), side(*b), same_direction=turned) for a, b, turned in self._stitches
+        )
+        by_name = {panel.name: panel for panel in panels}
+        onto = tuple(
+            SewnOnto(
+                panel,
+                tuple(k for k, e in enumerate(by_name[panel].outline.edges) if e.label in labels),
+                on,
+                ((1.0, 0.0), (0.0, 1.0)),
+                offset,
+            )
+            for panel, labels, on, offset in self._onto
+        )
+        return Pattern(panels, stitches, name=name, onto=onto)
 
     def _ends(self, seam: Seam) -> list[float]:
         """Where the edges of a seam end, as shares of its length; starts with 0."""
@@ -126,6 +153,7 @@ def _panel(draft: PanelDraft, cut: list[list[Curve]]) -> Panel:
         draft.rotation,
         draft.label,
         draft.grain,
+        cloth_layer=draft.cloth_layer,
     )
 
 

@@ -187,6 +187,38 @@ class WaistbandDesign:
 
 
 @dataclass(frozen=True)
+class CollarDesign:
+    """A collar: a stand round the neck, or lapels that go on into one behind."""
+
+    collar: str = choice("stand", ("none", "stand", "lapels"), "collar")
+    collar_height: float = parameter(4.5, 3.0, 7.0, "cm", "height of the collar behind the neck")
+    lapel_width: float = parameter(7.5, 5.0, 11.0, "cm", "how far lapels reach from the neckline")
+    lapel_shape: str = choice("notched", ("notched", "shawl"), "edge of the lapels")
+
+
+@dataclass(frozen=True)
+class PocketDesign:
+    """Patch pockets."""
+
+    pockets: str = choice("both", ("none", "left", "both"), "sides with a patch pocket")
+    pocket_width: float = parameter(13.0, 10.0, 16.0, "cm", "width of the pockets")
+    pocket_height: float = parameter(14.0, 10.0, 18.0, "cm", "height of the pockets")
+    pocket_place: float = parameter(
+        0.5, 0.0, 1.0, "share", "how low the pockets lie in the room that they have"
+    )
+
+
+@dataclass(frozen=True)
+class PeplumDesign:
+    """A short skirt sewn across front and back at the waist."""
+
+    peplum_length: float = parameter(15.0, 8.0, 25.0, "cm", "from the waist down to its hem")
+    peplum_flare: float = parameter(
+        0.4, 0.0, 0.9, "cm per cm", "how much wider each side gets on the way down"
+    )
+
+
+@dataclass(frozen=True)
 class Design:
     """Everything that can be chosen about a garment, part by part."""
 
@@ -201,3 +233,6 @@ class Design:
     skirt: SkirtDesign
     trousers: TrousersDesign
     waistband: WaistbandDesign
+    collar: CollarDesign
+    pocket: PocketDesign
+    peplum: PeplumDesign

@@ -10,11 +10,14 @@ from garmentimage.body import BodyMeasurements
 from garmentimage.draft import rules
 from garmentimage.draft.assemble import Assembly
 from garmentimage.draft.designs import Design
-from garmentimage.draft.panel import BACK, FACINGS, FRONT, SIDES, PanelDraft, Seam
+from garmentimage.draft.panel import BACK, FACINGS, FRONT, RIGHT, SIDES, PanelDraft, Seam
 from garmentimage.draft.parts import (
     BelowWaist,
     BodiceBlock,
+    add_collar,
     add_hood,
+    add_peplum,
+    add_pockets,
     add_skirt,
     add_sleeves,
     add_trousers,
@@ -26,6 +29,16 @@ from garmentimage.draft.parts import (
 )
 from garmentimage.pattern import Pattern
 
+HIP_POCKET_ACROSS, HIP_POCKET_TOP, HIP_POCKET_ROOM = 0.55, -2.0, 5.0
+"""Pockets of jackets: their middle as a share of the half waist, their top over the waist, and what
+is free below it and over the hem [cm]."""
+CHEST_POCKET_TOP, CHEST_POCKET_ROOM = 6.0, 6.0
+"""Pockets on the chest: their top over the bust points, and how much lower they may lie [cm]."""
+CARGO_POCKET_ACROSS, CARGO_POCKET_TOP, CARGO_POCKET_SHARE = 0.5, 6.0, 0.45
+"""Pockets on the thighs: their middle as a share of the leg's width, their top below the crotch
+[cm], and the share of the leg that they have room in."""
+SKIRT_POCKET_ACROSS, SKIRT_POCKET_TOP = 0.5, 8.0
+"""Pockets of skirts: their middle as a share of the half width, their top below the waist [cm]."""
 DART_LABELS = ("waist_dart_1", "waist_dart_2", "side_dart")
 """Edges of a panel that are legs of one dart."""
 
@@ -146,6 +159,67 @@ def make_pants(garment: Assembly, body: BodyMeasurements, design: Design) -> Non
     add_waistband(garment, body, design.waistband, tops)
 
 
+def make_collared(
+    garment: Assembly,
+    body: BodyMeasurements,
+    design: Design,
+    *,
+    front: str = "open",
+) -> None:
+    """A jacket or a blouse with a collar and patch pockets: at the hip, or on the chest."""
+    block, panels = make_top(garment, body, design, front=front)
+    necks = {(f, side): seam_of(panels[f], "neck", side) for f in FACINGS for side in SIDES}
+    add_collar(garment, block, panels, necks, design.collar)
+    if front == "open":
+        across, top = HIP_POCKET_ACROSS * block.width(0.0, 0.0), HIP_POCKET_TOP
+        room = design.bodice.body_length - HIP_POCKET_ROOM - design.pocket.pocket_height
+    else:
+        across, top = block.bust[0], block.bust[1] + CHEST_POCKET_TOP
+        room = CHEST_POCKET_ROOM
+    bases = {}
+    for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
+        base = panels[FRONT][-1 if side == RIGHT else 0]
+        bases[side] = base, (sign * across, top)
+    add_pockets(garment, bases, design.pocket, room=max(room, 0.0))
+
+
+def make_cargo_pants(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
+    """Trousers with patch pockets on the thighs."""
+    tops = add_trousers(garment, body, design.trousers)
+    add_waistband(garment, body, design.waistband, tops)
+    drop = body.waist_height - body.crotch_height + CARGO_POCKET_TOP
+    by_name = {panel.name: panel for panel in garment.panels}
+    bases = {}
+    for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
+        base = by_name[f"{side}_trouser_front"]
+        xs = [n.curve.end[0] for n in base.outline]
+        bases[side] = base, (sign * CARGO_POCKET_ACROSS * max(map(abs, xs)), -drop)
+    leg = design.trousers.leg_length * body.crotch_height
+    room = CARGO_POCKET_SHARE * leg - design.pocket.pocket_height
+    add_pockets(garment, bases, design.pocket, room=max(room, 0.0))
+
+
+def make_pocket_skirt(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
+    """A skirt of two panels with patch pockets in front."""
+    tops = add_skirt(garment, body, design.skirt)
+    add_waistband(garment, body, design.waistband, tops, design.skirt.skirt_fullness)
+    base = next(panel for panel in garment.panels if panel.name == tops[FRONT][0].panel)
+    across = SKIRT_POCKET_ACROSS * max(abs(n.curve.end[0]) for n in base.outline)
+    bases = {
+        side: (base, (sign * across, -SKIRT_POCKET_TOP))
+        for side, sign in zip(SIDES, (1.0, -1.0), strict=True)
+    }
+    drop = design.skirt.skirt_length * body.waist_height
+    room = drop / 2 - SKIRT_POCKET_TOP
+    add_pockets(garment, bases, design.pocket, room=max(room, 0.0))
+
+
+def make_peplum_top(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
+    """A top with a short skirt over it from the waist on."""
+    block, panels = make_top(garment, body, design)
+    add_peplum(garment, block, {f: panels[f][0] for f in FACINGS}, design.peplum)
+
+
 MAKERS: Mapping[str, Callable[[Assembly, BodyMeasurements, Design], Any]] = MappingProxyType(
     {
         "one-panel-dress": make_top,
@@ -159,6 +233,13 @@ MAKERS: Mapping[str, Callable[[Assembly, BodyMeasurements, Design], Any]] = Mapp
         "tank": make_top,
         "jacket": partial(make_top, front="open"),
         "hoodie": make_hoodie,
+        "blazer": make_collared,
+        "coat": make_collared,
+        "vest": make_collared,
+        "blouse": partial(make_collared, front="closed"),
+        "cargo-pants": make_cargo_pants,
+        "pocket-skirt": make_pocket_skirt,
+        "peplum-top": make_peplum_top,
     }
 )
 """By kind, what draws its panels and sews them."""

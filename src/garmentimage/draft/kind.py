@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from garmentimage.body import BodyMeasurements, measurements
 from garmentimage.draft.designs import (
     BodiceDesign,
+    CollarDesign,
     CuffDesign,
     CutoutDesign,
     DartDesign,
@@ -18,6 +19,8 @@ from garmentimage.draft.designs import (
     HemDesign,
     HoodDesign,
     NeckDesign,
+    PeplumDesign,
+    PocketDesign,
     SkirtDesign,
     SleeveDesign,
     TrousersDesign,
@@ -133,6 +136,7 @@ def _kind(
 _ONE_PANEL: Mapping[str, Value] = {"panels_a_side": 1}
 _JOINED: Mapping[str, Value] = {"panels_a_side": 1, "body_length": 0.0}
 _PLAIN_HEM: Mapping[str, Value] = {"flare": 0.0, "hem_slant": 0.0}
+_LAPELS: Mapping[str, Value] = {"neckline": "v", "collar": "lapels"}
 
 KINDS: Mapping[str, Kind] = MappingProxyType(
     {
@@ -231,6 +235,92 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 neck_width=(2.0, 1.0, 3.5),
                 neck_depth=(10.0, 9.0, 13.0),
                 back_neck_depth=(2.5, 2.0, 4.0),
+            ),
+            _kind(
+                "blazer",
+                "a jacket with lapels and patch pockets",
+                (BodiceDesign, NeckDesign, SleeveDesign, CollarDesign, PocketDesign),
+                settled={**_PLAIN_HEM, **_LAPELS, "sleeves": "set-in"},
+                bust_ease=(14.0, 8.0, 24.0),
+                body_length=(26.0, 20.0, 36.0),
+                armhole_ease=(3.0, 1.0, 6.0),
+                neck_depth=(28.0, 22.0, 34.0),
+            ),
+            _kind(
+                "coat",
+                "a long open coat with lapels and patch pockets",
+                (BodiceDesign, NeckDesign, HemDesign, SleeveDesign, CollarDesign, PocketDesign),
+                settled={**_LAPELS, "sleeves": "set-in", "hem_slant": 0.0},
+                bust_ease=(18.0, 12.0, 28.0),
+                body_length=(55.0, 40.0, 72.0),
+                flare=(0.08, 0.0, 0.2),
+                waist_shaping=(0.2, 0.0, 0.6),
+                armhole_ease=(4.0, 2.0, 6.0),
+                neck_depth=(26.0, 20.0, 34.0),
+            ),
+            _kind(
+                "vest",
+                "a sleeveless jacket with lapels or without, and patch pockets",
+                (BodiceDesign, NeckDesign, CollarDesign, PocketDesign),
+                settled={
+                    **_PLAIN_HEM,
+                    "sleeves": "none",
+                    "neckline": "v",
+                    "collar_height": 4.0,
+                    "lapel_shape": "shawl",
+                },
+                collar="lapels",
+                bust_ease=(12.0, 8.0, 20.0),
+                body_length=(22.0, 18.0, 30.0),
+                shoulder_reach=(0.95, 0.9, 1.0),
+                neck_depth=(26.0, 20.0, 32.0),
+                pocket_height=(12.0, 10.0, 13.0),
+            ),
+            _kind(
+                "blouse",
+                "a blouse with a stand-up collar and pockets on the chest",
+                (BodiceDesign, NeckDesign, SleeveDesign, CuffDesign, CollarDesign, PocketDesign),
+                settled={
+                    **_PLAIN_HEM,
+                    **_ONE_PANEL,
+                    "sleeves": "set-in",
+                    "neckline": "round",
+                    "collar": "stand",
+                    "lapel_width": 7.5,
+                    "lapel_shape": "notched",
+                },
+                bust_ease=(12.0, 6.0, 20.0),
+                body_length=(12.0, 2.0, 22.0),
+                neck_width=(2.5, 1.5, 3.5),
+                neck_depth=(10.0, 9.0, 12.0),
+                back_neck_depth=(2.5, 2.0, 3.0),
+                collar_height=(3.0, 2.5, 4.0),
+                pocket_width=(10.0, 8.0, 11.0),
+                pocket_height=(11.0, 9.0, 12.0),
+            ),
+            _kind(
+                "cargo-pants",
+                "trousers with patch pockets on the thighs",
+                (TrousersDesign, WaistbandDesign, PocketDesign),
+                leg_length=(1.0, 0.5, 1.05),
+                hip_ease=(8.0, 5.0, 16.0),
+                knee_ease=(12.0, 8.0, 18.0),
+                pocket_width=(11.0, 9.0, 12.0),
+                pocket_height=(15.0, 12.0, 18.0),
+            ),
+            _kind(
+                "pocket-skirt",
+                "a skirt with patch pockets in front",
+                (SkirtDesign, WaistbandDesign, PocketDesign),
+                settled={"gores": 2, "skirt_fullness": 1.0},
+            ),
+            _kind(
+                "peplum-top",
+                "a top with a short skirt sewn over it at the waist",
+                (BodiceDesign, NeckDesign, SleeveDesign, PeplumDesign),
+                settled={**_PLAIN_HEM, **_ONE_PANEL},
+                body_length=(10.0, 6.0, 18.0),
+                waist_shaping=(0.5, 0.0, 0.9),
             ),
         )
     }

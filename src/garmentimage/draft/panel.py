@@ -74,6 +74,7 @@ class PanelDraft:
     """The part of the body that it covers: body, arm or leg."""
     holes: tuple[Loop, ...] = ()
     grain: Point = UPRIGHT
+    cloth_layer: int = 0
 
     def seam(self, label: str, side: str | None = None) -> Seam:
         """All edges with this label (of one side), in loop order."""

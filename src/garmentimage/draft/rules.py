@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from itertools import islice
 
+import numpy as np
+
 from garmentimage.draft.curves import chain_polygons
-from garmentimage.draft.panel import PanelDraft
+from garmentimage.draft.panel import Outline, PanelDraft
 from garmentimage.errors import DraftError
-from garmentimage.geometry import signed_area
+from garmentimage.geometry import Point, signed_area
 
 HEAD_STRETCH = 1.3
 """How far a neckline stretches to let the head through; ribbed and bias edges do so easily."""
@@ -22,6 +24,9 @@ BUST_CLEARANCE = 2.0
 """A dart ends at least so far from the bust point, or the cloth forms a point [cm]."""
 HOLE_MARGIN = 2.5
 """Least cloth between a cut-out and the edges of its panel [cm]."""
+
+POCKET_MARGIN = 1.5
+"""Least cloth between a patch pocket and the edges of its panel [cm]."""
 
 
 def check_neck(opening: float, head_girth: float) -> None:
@@ -59,6 +64,22 @@ def check_thigh(width: float, thigh_girth: float) -> None:
             f"the leg is {width:.1f} cm round, the thigh with {THIGH_EASE} cm of ease "
             f"{thigh_girth + THIGH_EASE:.1f} cm; make hip_ease larger"
         )
+
+
+def check_pocket(pocket: Outline, base: PanelDraft, offset: Point) -> None:
+    """Refuse a pocket that does not lie on its panel."""
+    from garmentimage.geometry import contains
+
+    (polygon,) = chain_polygons([[named.curve for named in base.outline]])
+    for named in pocket:
+        x, y = named.curve.start
+        for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            place = x + offset[0] + POCKET_MARGIN * dx, y + offset[1] + POCKET_MARGIN * dy
+            if not contains(polygon, np.array(place)):
+                raise DraftError(
+                    f"the pocket does not lie on {base.name} with {POCKET_MARGIN:g} cm of cloth "
+                    "beside it; make it smaller or change pocket_place"
+                )
 
 
 def check_outlines(panels: Sequence[PanelDraft]) -> None:

@@ -131,7 +131,8 @@ def turned_panels(pattern: Pattern) -> set[str]:
                         "seams would have one panel show both its sides, as a Moebius strip does; "
                         "check right_wrong of the seams between them"
                     )
-        turned |= _smaller_class(pattern, item, side)
+        if any(side[name] for name in item):
+            turned |= _smaller_class(pattern, item, side)
     return turned
 
 

@@ -5,8 +5,17 @@ from .bodice import (
     to_waist as to_waist,
     trunk as trunk,
 )
+from .collar import (
+    add_collar as add_collar,
+)
 from .hood import (
     add_hood as add_hood,
+)
+from .peplum import (
+    add_peplum as add_peplum,
+)
+from .pocket import (
+    add_pockets as add_pockets,
 )
 from .skirt import (
     add_skirt as add_skirt,
