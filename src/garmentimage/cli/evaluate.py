@@ -82,7 +82,7 @@ def latent(
         )
     result = {
         **_provenance(recipe, data),
-        "networks": [asdict(each) for each in networks],
+        "networks": [_named(each) for each in networks],
         "amounts": asdict(amounts),
         "figures": figures,
     }
@@ -317,8 +317,8 @@ def _edit_methods(
     ]
 
 
-def _named(method: "EditMethod") -> dict[str, Any]:
-    """A method for a result: bundled networks by name, not by place."""
+def _named(method: "Candidate | EditMethod") -> dict[str, Any]:
+    """A network or method for a result: bundled networks by name, not by place."""
     from garmentimage.networks import WEIGHTS_FOLDER
 
     return {

@@ -191,8 +191,8 @@ class CollarDesign:
     """A collar: a stand round the neck, or lapels that go on into one behind."""
 
     collar: str = choice("stand", ("none", "stand", "lapels"), "collar")
-    collar_height: float = parameter(4.5, 3.0, 7.0, "cm", "height of the collar behind the neck")
-    lapel_width: float = parameter(7.5, 5.0, 11.0, "cm", "how far lapels reach from the neckline")
+    collar_height: float = parameter(4.0, 3.0, 5.5, "cm", "height of the collar behind the neck")
+    lapel_width: float = parameter(7.0, 5.0, 8.5, "cm", "how far lapels reach from the neckline")
     lapel_shape: str = choice("notched", ("notched", "shawl"), "edge of the lapels")
 
 

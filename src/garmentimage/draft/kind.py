@@ -286,7 +286,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                     "sleeves": "set-in",
                     "neckline": "round",
                     "collar": "stand",
-                    "lapel_width": 7.5,
+                    "lapel_width": 7.0,
                     "lapel_shape": "notched",
                 },
                 bust_ease=(12.0, 6.0, 20.0),
