@@ -8,7 +8,7 @@ from garmentimage.draft.kind import KINDS
 BODIES = tuple(presets())
 FLAT = {"cap_fullness": 1.0, "cuff_fullness": 1.0, "skirt_fullness": 1.0}
 """Nothing is gathered."""
-EVEN = {"hem_slant": 0.0, "skirt_slant": 0.0}
+EVEN = {"hem_slant": 0.0, "skirt_slant": 0.0, "pockets": "both"}
 """Left and right are alike."""
 
 

@@ -43,6 +43,13 @@ GOLDEN = {
     "tank": "d907350c88571279",
     "jacket": "2da0241830bc37a9",
     "hoodie": "2d858336e84f661a",
+    "blazer": "10240c12d58e6579",
+    "coat": "33d444c7e92df828",
+    "vest": "f9c65c51f0266370",
+    "blouse": "ccef7417dd0f8632",
+    "cargo-pants": "97bb7636c291f90b",
+    "pocket-skirt": "0508583ea713d688",
+    "peplum-top": "d6e16e61a31d55b3",
 }
 
 
@@ -118,7 +125,7 @@ def test_left_and_right_are_mirror_images(design):
 def test_panels_of_a_layer_do_not_lie_on_each_other(design):
     panels = [p for p in drafted(design).panels if "hood" not in p.name]
     for a, b in combinations(panels, 2):
-        if (a.translation[2] > 0) == (b.translation[2] > 0):
+        if a.cloth_layer == b.cloth_layer and (a.translation[2] > 0) == (b.translation[2] > 0):
             assert polygon(a).intersection(polygon(b)).area < 1e-6, (a.name, b.name)
 
 
@@ -179,7 +186,7 @@ def test_larger_measurements_give_larger_panels(kind):
     small, large = draft_pattern(kind, body), draft_pattern(kind, larger)
     assert [p.name for p in small.panels] == [p.name for p in large.panels]
     for a, b in zip(small.panels, large.panels, strict=True):
-        assert b.outline.area > a.outline.area
+        assert b.outline.area > a.outline.area or "pocket" in a.name
 
 
 def test_every_kind_has_what_draws_it():
@@ -252,7 +259,9 @@ def test_defaults_come_back_from_the_raster(kind):
     pattern = draft_pattern(kind)
     result = compare_patterns(pattern, decode(encode(pattern, grid=16)))
     assert result.success, result.reasons
-    assert min(result.iou.values()) > 0.97
+    # Small panels over others have few cells of their own.
+    outer = {panel.name for panel in pattern.panels if panel.cloth_layer}
+    assert all(iou > (0.94 if name in outer else 0.97) for name, iou in result.iou.items())
 
 
 @pytest.mark.slow

@@ -81,8 +81,8 @@ def test_stubs_are_dissolved_beside_it(shirt):
         ({"edges": ()}, "name edges of its outline, 0 to 3"),
         ({"edges": (0, 9)}, "name edges of its outline, 0 to 3"),
         ({"edges": (1, 0)}, "once each and in order"),
-        ({"matrix": ((2.0, 0.0), (0.0, 1.0))}, "no rigid motion"),
-        ({"offset": (float("nan"), 0.0)}, "no rigid motion"),
+        ({"matrix": ((2.0, 0.0), (0.0, 1.0))}, "not a rigid motion"),
+        ({"offset": (float("nan"), 0.0)}, "not a rigid motion"),
     ],
 )
 def test_what_cannot_be_sewn_on_is_refused_by_name(shirt, change, sentence):

@@ -293,8 +293,8 @@ def _check_onto(pattern: Pattern) -> None:
         rigid = np.abs(matrix @ matrix.T - np.eye(2)).max() <= RIGID_TOL
         if not (np.abs(numbers) <= MAX_COORDINATE).all() or not rigid:
             raise StitchError(
-                f"{place}: its place is no rigid motion; give a matrix of orthonormal rows and an "
-                "offset in cm"
+                f"{place}: its place is not a rigid motion; give a matrix of orthonormal rows and "
+                "an offset in cm"
             )
 
 
