@@ -57,7 +57,9 @@ def main() -> int:
     parser.add_argument("folder", type=Path, help="where the drafted patterns go")
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--grid", type=int, default=16)
+    parser.add_argument(
+        "--grid", type=lambda text: text if text == "auto" else int(text), default=16
+    )
     parser.add_argument("--kinds", nargs="*", default=list(KINDS))
     parser.add_argument("--workers", type=int, default=None)
     parser.add_argument("-o", "--out", type=Path)

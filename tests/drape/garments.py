@@ -60,8 +60,10 @@ def unnamed(pattern: Pattern, *, labels: bool = True) -> Pattern:
             old if labels else replace(old, edges=tuple(replace(e, label=None) for e in old.edges))
         )
 
+    onto = tuple(replace(o, panel=names[o.panel], on=names[o.on]) for o in pattern.onto)
     return replace(
         pattern,
+        onto=onto,
         panels=tuple(
             replace(p, name=names[p.name], label=None, outline=loop(p.outline))
             for p in pattern.panels

@@ -407,7 +407,7 @@ def test_a_hole_must_run_against_the_outline_and_lie_inside():
         read_spec(data)
 
 
-@pytest.mark.parametrize("schema", [0, 2, "1", None, True])
+@pytest.mark.parametrize("schema", [0, 3, "1", None, True])
 def test_an_unknown_schema_is_refused(schema):
     data = holed_spec()
     data["garmentimage"]["schema"] = schema

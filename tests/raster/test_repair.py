@@ -19,7 +19,7 @@ from tests.raster.boards import board, with_types
 
 SHIRT = "........ .aaaaaa. .aaaaaa. bbaaaacc bbaaaacc .dddddd. .eeeeee. ........"
 DRESS = board(SHIRT, SHIRT, sewn_around=True)
-NON_BOUNDARY, NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE, WRAP, _ = EdgeType
+NON_BOUNDARY, NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE, WRAP, *_ = EdgeType
 
 
 def darted():

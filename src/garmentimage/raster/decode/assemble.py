@@ -20,8 +20,12 @@ from garmentimage.pattern import (
 from garmentimage.raster.decode.boundary import Boundary, Cluster
 from garmentimage.raster.decode.fit_edges import FittedPanels
 from garmentimage.raster.decode.naming import panel_names
-from garmentimage.raster.decode.pockets import Frame, sewn_onto
-from garmentimage.raster.decode.whole_panels import WrappedPlace, wrapped_place
+from garmentimage.raster.decode.whole_panels import (
+    Frame,
+    WrappedPlace,
+    sewn_onto,
+    wrapped_place,
+)
 from garmentimage.raster.image import GarmentImage, PanelMark
 
 DEPTH_CM = 20.0
