@@ -34,9 +34,11 @@ test: $(VENV)/ready-dev
 golden: $(VENV)/ready-dev
 	$(BIN)/python -m pytest tests/test_golden.py --regold
 
-# Calls are not held to their annotations here, as for users: `make test` does that.
+# Calls are not held to their annotations here, as for users: `make test` does that. It also runs
+# what trains networks, builds datasets or runs the commands of the documents.
+LONG_TESTS := $(addprefix --ignore=tests/,dataset evaluate latent learn predict text_edit test_documents.py)
 check: lint
-	GARMENTIMAGE_SHAPE_CHECKS=0 $(PYTEST) -m "not slow and not corpus"
+	GARMENTIMAGE_SHAPE_CHECKS=0 $(PYTEST) -m "not slow and not corpus" $(LONG_TESTS)
 
 # Of what is run by hand, names and arguments are checked, so that no rename breaks it.
 LOOSE := --allow-untyped-defs --allow-incomplete-defs --allow-untyped-calls --allow-any-generics \

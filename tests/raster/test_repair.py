@@ -277,7 +277,7 @@ def test_a_garment_that_a_network_is_sure_of_keeps_every_panel_and_seam(pattern,
 @pytest.mark.parametrize("kind", sorted(KINDS))
 def test_drafts_that_a_network_is_sure_of_keep_every_panel(kind):
     for one in sample(kind, 3, 5, body=ANY_BODY):
-        image = encode(one.pattern, 16).without_marks()
+        image = encode(one.pattern).without_marks()
         mended, _ = repair(shares(image, 0.99, noise=0.3, seed=one.index), kind="shares")
         assert mended.same_channels(image)
 
