@@ -35,6 +35,7 @@ def add_peplum(
         drawn = placed(f"peplum_{facing}", whole(half, half, facing), facing, origin)
         panels.append(replace(drawn, cloth_layer=1))
     garment.add(*panels)
-    garment.sew_pairs(*panels, "side_seam")
+    front, back = panels
+    garment.sew_pairs(front, back, "side_seam")
     for facing, panel in zip(FACINGS, panels, strict=True):
         garment.sew_onto(panel.name, ["peplum_seam"], bases[facing].name, (0.0, 0.0))
