@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
+from garmentimage.compare import loop_polygon
 from garmentimage.geometry import signed_area, touching_sides
-from garmentimage.pattern import chord_count
+from garmentimage.pattern import chord_count, loop_from_curves
 from garmentimage.raster.decode.boundary import NONE, Boundary, Cluster, join_parts
 from garmentimage.raster.decode.divisions import with_divisions
 from garmentimage.raster.decode.edges import Seams, cut_into_edges
@@ -77,7 +78,28 @@ def fit_edges(boundary: Boundary, clusters: Sequence[Cluster]) -> FittedPanels:
                 apart.update(np.flatnonzero(panels.whole == k).tolist())
             straight.update(runs)
 
-    return until_simple(build, relax)
+    found = until_simple(build, relax)
+    # What networks give can bend so sharply that the polygons above miss a crossing.
+    while any(cluster.mark is None for cluster in clusters):
+        faulty = [k for k in found.members if not _is_finely_simple(found, k)]
+        runs = {run for k in faulty for run in _runs_to_straighten(found, k, every=True)}
+        if runs <= straight:
+            break
+        straight.update(runs)
+        found = until_simple(build, relax)
+    return found
+
+
+def _is_finely_simple(panels: FittedPanels, k: int) -> bool:
+    """Whether the loops of a panel are simple as they are judged, with many chords to a curve."""
+    import shapely
+
+    loops = [[edge.curve for edge in panels.seams.loops[i]] for i in panels.members[k]]
+    if all(curve.is_straight for loop in loops for curve in loop):
+        return True
+    rings = [loop_polygon(loop_from_curves(loop)) for loop in loops]
+    alone = all(shapely.Polygon(ring).is_valid for ring in rings)
+    return alone and bool(shapely.Polygon(rings[0], rings[1:]).is_valid)
 
 
 def _runs_to_straighten(panels: FittedPanels, k: int, *, every: bool) -> set[int]:
