@@ -183,7 +183,12 @@ def split_edges(pattern, cuts):
         if not stitch.same_direction:
             theirs = theirs[::-1]
         stitches += [replace(stitch, a=x, b=y) for x, y in zip(ours, theirs, strict=True)]
-    return replace(pattern, panels=tuple(panels), stitches=tuple(stitches))
+    # Edges of pleats are left whole.
+    pleats = tuple(
+        replace(pleat, edges=tuple(where[side][0].edge for side in pleat.sides))
+        for pleat in pattern.pleats
+    )
+    return replace(pattern, panels=tuple(panels), stitches=tuple(stitches), pleats=pleats)
 
 
 def shifted_loops(pattern, shift):

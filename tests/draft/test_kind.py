@@ -50,6 +50,7 @@ GOLDEN = {
     "cargo-pants": "97bb7636c291f90b",
     "pocket-skirt": "0508583ea713d688",
     "peplum-top": "d6e16e61a31d55b3",
+    "pleated-skirt": "ab26533f73100d52",
 }
 
 

@@ -27,6 +27,7 @@ def strip(links: int, *, length: float = 100.0, width: float = 2.0) -> Rest:
         vertex_area=area,
         face_area=np.zeros(0),
         inverse=np.zeros((0, 2, 2)),
+        folds=np.zeros((0, 2), int),
     )
 
 

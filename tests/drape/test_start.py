@@ -66,6 +66,7 @@ def test_a_garment_begins_where_it_does_with_whole_edges_if_all_its_edges_are_di
     body, pattern = load_body(), draft_pattern(kind, **parts)
     every = [Side(panel.name, k) for panel in pattern.panels for k in range(len(panel.edges))]
     partners = {stitch.b for stitch in pattern.stitches}
+    partners |= {side for pleat in pattern.pleats for side in pleat.sides}
     divided = split_edges(pattern, {side: share for side in every if side not in partners})
     before, after = (
         start_points(cloth, body, placements)

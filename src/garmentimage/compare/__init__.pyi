@@ -17,11 +17,11 @@ from .matching import (
     matching_from as matching_from,
     panel_iou as panel_iou,
 )
+from .on_cloth import (
+    differences_on_cloth as differences_on_cloth,
+)
 from .pairing import (
     pair_garments as pair_garments,
-)
-from .pockets import (
-    onto_differences as onto_differences,
 )
 from .stitch_graphs import (
     GraphMatch as GraphMatch,

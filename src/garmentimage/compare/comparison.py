@@ -18,7 +18,7 @@ from garmentimage.compare.matching import (
     match_panels,
     matching_from,
 )
-from garmentimage.compare.pockets import onto_differences
+from garmentimage.compare.on_cloth import differences_on_cloth
 from garmentimage.compare.stitch_graphs import (
     PoseTable,
     StitchGraph,
@@ -146,7 +146,7 @@ class _Comparison:
             if p.iou < SUCCESS_IOU
         ]
         reasons += same_stitch_graph(*self.graphs, matching.panel_map, poses=self.poses)
-        return reasons + onto_differences(
+        return reasons + differences_on_cloth(
             self.original, self.decoded, matching.panel_map, any_pose=self.any_pose
         )
 
@@ -160,7 +160,7 @@ class _Comparison:
             for p, row in zip(self.original.panels, self.iou.max(axis=0), strict=True)
         }
         match = match_graphs(*self.graphs, candidates, poses=self.poses)
-        if match is None or onto_differences(
+        if match is None or differences_on_cloth(
             self.original, self.decoded, match.panels, any_pose=self.any_pose
         ):
             return None

@@ -38,6 +38,7 @@ NOUNS: Mapping[str, str] = {
     "cargo-pants": "cargo trousers",
     "pocket-skirt": "skirt",
     "peplum-top": "peplum top",
+    "pleated-skirt": "pleated skirt",
 }
 SLEEVE_LENGTH_WORDS: Levels = ((0.5, "short"), (0.8, "three-quarter"), (9.9, "long"))
 """By `sleeve_length`, as a share of the arm."""

@@ -12,7 +12,16 @@ from itertools import accumulate, islice, pairwise
 from garmentimage.draft.curves import lengths_of
 from garmentimage.draft.panel import EdgeRef, PanelDraft, Seam
 from garmentimage.geometry import Curve, Point
-from garmentimage.pattern import Panel, Pattern, SewnOnto, Side, Stitch, loop_from_curves
+from garmentimage.pattern import (
+    Panel,
+    Pattern,
+    Pleat,
+    PleatFold,
+    SewnOnto,
+    Side,
+    Stitch,
+    loop_from_curves,
+)
 
 SEAM_TOL = 0.01
 """Seams that are sewn flat are equally long within this [cm]."""
@@ -29,6 +38,7 @@ class Assembly:
         self._cuts: dict[tuple[str, int], list[float]] = {}
         self._stitches: list[tuple[tuple[EdgeRef, int], tuple[EdgeRef, int], bool]] = []
         self._onto: list[tuple[str, frozenset[str], str, Point]] = []
+        self._pleats: list[tuple[Seam, PleatFold, float]] = []
 
     def add(self, *panels: PanelDraft) -> None:
         """Take panels in; their edges are measured together, so many at a time are quicker."""
@@ -82,6 +92,10 @@ class Assembly:
         """
         self._onto.append((panel, frozenset(labels), on, offset))
 
+    def press(self, edges: Seam, fold: PleatFold, pressed: float) -> None:
+        """Press a pleat, whose two edges are sewn to each other, for a length [cm]."""
+        self._pleats.append((edges, fold, pressed))
+
     def sew_pairs(self, a: PanelDraft, b: PanelDraft, label: str) -> None:
         """Sew all edges of one label on a panel to those on another, side by side of the wearer."""
         for side in sorted({n.side for n in a.outline if n.label == label}):
@@ -116,7 +130,11 @@ class Assembly:
             )
             for panel, labels, on, offset in self._onto
         )
-        return Pattern(panels, stitches, name=name, onto=onto)
+        pleats = tuple(
+            Pleat(first.panel, (side(first, 0).edge, side(second, 0).edge), fold, pressed)
+            for (first, second), fold, pressed in self._pleats
+        )
+        return Pattern(panels, stitches, name=name, onto=onto, pleats=pleats)
 
     def _ends(self, seam: Seam) -> list[float]:
         """Where the edges of a seam end, as shares of its length; starts with 0."""

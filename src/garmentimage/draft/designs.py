@@ -219,6 +219,18 @@ class PeplumDesign:
 
 
 @dataclass(frozen=True)
+class PleatDesign:
+    """Pressed pleats in the waist of a skirt."""
+
+    pleats: str = choice("knife", ("knife", "box", "inverted"), "kind of the pleats")
+    pleats_a_side: int = choice(1, (1, 2), "pleats in each half of the front, and of the back")
+    pleat_depth: float = parameter(4.0, 2.5, 5.0, "cm", "cloth that each pleat folds under twice")
+    pleat_pressed: float = parameter(
+        0.3, 0.15, 0.5, "skirt length", "how far down the pleats are pressed"
+    )
+
+
+@dataclass(frozen=True)
 class Design:
     """Everything that can be chosen about a garment, part by part."""
 
@@ -236,3 +248,4 @@ class Design:
     collar: CollarDesign
     pocket: PocketDesign
     peplum: PeplumDesign
+    pleat: PleatDesign

@@ -214,6 +214,12 @@ def make_pocket_skirt(garment: Assembly, body: BodyMeasurements, design: Design)
     add_pockets(garment, bases, design.pocket, room=max(room, 0.0))
 
 
+def make_pleated_skirt(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
+    """A skirt of two panels with pleats pressed into the waist."""
+    tops = add_skirt(garment, body, design.skirt, pleats=design.pleat)
+    add_waistband(garment, body, design.waistband, tops)
+
+
 def make_peplum_top(garment: Assembly, body: BodyMeasurements, design: Design) -> None:
     """A top with a short skirt over it from the waist on."""
     block, panels = make_top(garment, body, design)
@@ -240,6 +246,7 @@ MAKERS: Mapping[str, Callable[[Assembly, BodyMeasurements, Design], Any]] = Mapp
         "cargo-pants": make_cargo_pants,
         "pocket-skirt": make_pocket_skirt,
         "peplum-top": make_peplum_top,
+        "pleated-skirt": make_pleated_skirt,
     }
 )
 """By kind, what draws its panels and sews them."""

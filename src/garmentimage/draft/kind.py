@@ -20,6 +20,7 @@ from garmentimage.draft.designs import (
     HoodDesign,
     NeckDesign,
     PeplumDesign,
+    PleatDesign,
     PocketDesign,
     SkirtDesign,
     SleeveDesign,
@@ -321,6 +322,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 settled={**_PLAIN_HEM, **_ONE_PANEL},
                 body_length=(10.0, 6.0, 18.0),
                 waist_shaping=(0.5, 0.0, 0.9),
+            ),
+            _kind(
+                "pleated-skirt",
+                "a skirt with knife, box or inverted pleats pressed from the waist down",
+                (SkirtDesign, WaistbandDesign, PleatDesign),
+                settled={"gores": 2, "skirt_fullness": 1.0, "skirt_slant": 0.0},
+                skirt_flare=(0.05, 0.0, 0.2),
             ),
         )
     }

@@ -9,7 +9,7 @@ Words of this file:
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -32,6 +32,8 @@ class Cloth:
     vertex: Int[np.ndarray, " corner"]  # the vertex that the corner is sewn into
     sides: Mapping[Side, Int[np.ndarray, " _"]]
     """Corners along each edge of each panel, from its start to its end, both ends included."""
+    folds: Int[np.ndarray, "fold 2"] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Vertices at both ends of the sides of triangles along which pleats are pressed."""
 
     @cached_property
     def vertex_count(self) -> int:

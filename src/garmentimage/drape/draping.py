@@ -1,6 +1,7 @@
 """Draping: from a pattern to a garment at rest on a body."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +26,14 @@ from garmentimage.drape.solver import (
     body_field,
     solve,
 )
-from garmentimage.drape.start import fold_onto, lay_onto, place_on_body, start_points, tuck_in
+from garmentimage.drape.start import (
+    fold_onto,
+    lay_onto,
+    place_on_body,
+    pressed_pleats,
+    start_points,
+    tuck_in,
+)
 from garmentimage.drape.support import SupportSite
 from garmentimage.drape.verdict import assess_drape
 from garmentimage.drape.world_panels import connected_garments
@@ -98,6 +106,7 @@ def drape_pattern(
     layers = garment_layers(cloth, items, folded)
     for layer in layers:
         part = rest.part(layer.vertices, layer.faces)
+        part = replace(part, pressed=pressed_pleats(cloth, layer.vertices))
         hold, material = belt(layer), fabric
         if layer.role is LayerRole.FOLDED:
             points = fold_onto(cloth, points, folded, field, fabric.thickness)

@@ -8,7 +8,7 @@ from garmentimage.drape.draping import check_placed
 from garmentimage.drape.fit import AUTO, best_fit
 from garmentimage.drape.mesh import check_size
 from garmentimage.drape.start import place_on_body
-from garmentimage.pattern import Panel, Pattern, SewnOnto, Side, Stitch
+from garmentimage.pattern import Panel, Pattern, Pleat, SewnOnto, Side, Stitch
 
 
 def outfit(
@@ -30,6 +30,7 @@ def outfit(
     panels: list[Panel] = []
     stitches: list[Stitch] = []
     onto: list[SewnOnto] = []
+    pleats: list[Pleat] = []
     for pattern in patterns:
         check_placed(pattern)
         placed, _ = place_on_body(pattern, body, made_for=made_for)
@@ -48,8 +49,9 @@ def outfit(
             for stitch in placed.stitches
         ]
         onto += [replace(sewn, panel=names[sewn.panel], on=names[sewn.on]) for sewn in placed.onto]
+        pleats += [replace(pleat, panel=names[pleat.panel]) for pleat in placed.pleats]
     name = " + ".join(pattern.name for pattern in patterns)
-    return Pattern(tuple(panels), tuple(stitches), name, tuple(onto))
+    return Pattern(tuple(panels), tuple(stitches), name, tuple(onto), tuple(pleats))
 
 
 def _free(name: str, taken: Container[str]) -> str:

@@ -128,6 +128,7 @@ def connected_garments(pattern: Pattern) -> list[Pattern]:
             tuple(stitch for stitch in pattern.stitches if stitch.a.panel in names),
             pattern.name,
             tuple(sewn for sewn in pattern.onto if sewn.panel in names),
+            tuple(pleat for pleat in pattern.pleats if pleat.panel in names),
         )
         for names in map(set, components(pattern))
     ]
@@ -145,7 +146,9 @@ def without_pockets(pattern: Pattern) -> Pattern:
     over = sewn_on_panels(pattern)
     left = tuple(panel for panel in pattern.panels if panel.name not in over)
     stitches = tuple(stitch for stitch in pattern.stitches if stitch.a.panel not in over)
-    return replace(pattern, panels=left, stitches=stitches, onto=()) if over else pattern
+    pleats = tuple(pleat for pleat in pattern.pleats if pleat.panel not in over)
+    plain = replace(pattern, panels=left, stitches=stitches, onto=(), pleats=pleats)
+    return plain if over else pattern
 
 
 def openings_of(pattern: Pattern, panels: Mapping[str, WorldPanel]) -> list[Opening]:

@@ -16,6 +16,8 @@ from .model import (
     Notch as Notch,
     Panel as Panel,
     Pattern as Pattern,
+    Pleat as Pleat,
+    PleatFold as PleatFold,
     Point as Point,
     Quadratic as Quadratic,
     SewnOnto as SewnOnto,
@@ -31,6 +33,14 @@ from .model import (
 from .placement import (
     FRONTAL as FRONTAL,
     floor_shift as floor_shift,
+)
+from .pleats import (
+    Crease as Crease,
+    PleatFoldLine as PleatFoldLine,
+    creases as creases,
+    fold_lines as fold_lines,
+    is_on_cloth as is_on_cloth,
+    pleat_of as pleat_of,
 )
 from .seam_runs import (
     STUB_CM as STUB_CM,

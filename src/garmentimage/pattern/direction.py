@@ -90,6 +90,12 @@ def turned_round(pattern: Pattern, names: Collection[str]) -> Pattern:
             replace(o, edges=tuple(sorted(side(edge).edge for edge in o.sides)))
             for o in pattern.onto
         ),
+        pleats=tuple(
+            replace(p, edges=(side(p.sides[1]).edge, side(p.sides[0]).edge))
+            if p.panel in names
+            else p
+            for p in pattern.pleats
+        ),
     )
 
 

@@ -32,7 +32,12 @@ def without_stubs(pattern: Pattern) -> Pattern:
         replace(o, edges=tuple(number[side].edge for side in o.sides if side in number))
         for o in pattern.onto
     )
-    return replace(pattern, panels=tuple(panels), stitches=stitches, onto=onto)
+    pleats = tuple(
+        replace(p, edges=(number[p.sides[0]].edge, number[p.sides[1]].edge))
+        for p in pattern.pleats
+        if not left_out.intersection(p.sides)
+    )
+    return replace(pattern, panels=tuple(panels), stitches=stitches, onto=onto, pleats=pleats)
 
 
 def _without(panel: Panel, gone: Container[int], kept: list[int]) -> Panel:

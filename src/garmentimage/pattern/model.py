@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -205,6 +205,32 @@ class SewnOnto:
         return tuple(Side(self.panel, edge) for edge in self.edges)
 
 
+PleatFold = Literal["left", "right", "box", "inverted"]
+
+
+@dataclass(frozen=True)
+class Pleat:
+    """A pressed pleat: two edges of an outline that follow each other, sewn to each other.
+
+    Seen from outside, these edges at the top, a knife pleat is folded to the left or to the right:
+    its visible fold points there. The two folds of a box pleat point away from each other, its
+    cloth lies on top; those of an inverted pleat meet, its cloth lies beneath.
+    """
+
+    panel: str
+    edges: tuple[int, int]
+    """The second starts where the first ends."""
+    fold: PleatFold
+    pressed: float
+    """How far from its edges the pleat is pressed [cm]."""
+
+    @property
+    def sides(self) -> tuple[Side, Side]:
+        """The two edges."""
+        first, second = self.edges
+        return Side(self.panel, first), Side(self.panel, second)
+
+
 @dataclass(frozen=True)
 class Pattern:
     """A garment: panels and the stitches between them."""
@@ -215,6 +241,8 @@ class Pattern:
     """What to call the garment in messages and pictures: the file's stem. Not part of equality."""
     onto: tuple[SewnOnto, ...] = ()
     """Panels sewn onto the cloth of others."""
+    pleats: tuple[Pleat, ...] = ()
+    """Pleats that are pressed; one that is only sewn is a stitch like any other."""
     extra: Mapping[str, Any] = field(default_factory=dict)
     """What else the file held, by place: "top" (beside "pattern"), "pattern", "properties", and
     "ours" (in the field "garmentimage")."""

@@ -10,6 +10,13 @@ OUTSIDE = -1  # label of cells that belong to no panel
 
 _NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
 _NON_STITCH = int(EdgeType.NON_STITCH)
+_CREASE = int(EdgeType.CREASE)
+
+
+@njit(cache=True)
+def goes_on(kind):
+    """Whether the cloth goes on across a grid edge between two inside cells."""
+    return kind in (_NON_BOUNDARY, _CREASE)
 
 
 @njit(cache=True)
@@ -26,7 +33,7 @@ def across_side(edge_type, row, col, side):
     return edge_type[0, row + 1, col] if row + 1 < grid else _NON_STITCH, row + 1, col
 
 
-# Connected components of the cells, joined where the grid edge between them is `NON_BOUNDARY`.
+# Connected components of the cells, joined where the cloth goes on across a grid edge.
 # Depth-first, with a stack of our own: each cell is pushed once, so it never overflows.
 @njit(cache=True)
 def flood_fill(inside, edge_type, labels):
@@ -48,7 +55,7 @@ def flood_fill(inside, edge_type, labels):
                     r, c = stack[height]
                     for side in range(4):
                         kind, near_r, near_c = across_side(types, r, c, side)
-                        if kind != _NON_BOUNDARY or near_r < 0 or near_c < 0:
+                        if not goes_on(kind) or near_r < 0 or near_c < 0:
                             continue
                         if inside[layer, near_r, near_c] and labels[layer, near_r, near_c] < 0:
                             labels[layer, near_r, near_c] = count
@@ -76,11 +83,11 @@ def merge_corners(mask, edge_type, corners):
     for i in range(count):
         row, col = cells[i]
         left = index[row, col - 1] if col > 0 else -1
-        if left >= 0 and edge_type[1, row, col] == _NON_BOUNDARY:
+        if left >= 0 and goes_on(edge_type[1, row, col]):
             union(parent, 4 * i, 4 * left + 1)
             union(parent, 4 * i + 3, 4 * left + 2)
         below = index[row - 1, col] if row > 0 else -1
-        if below >= 0 and edge_type[0, row, col] == _NON_BOUNDARY:
+        if below >= 0 and goes_on(edge_type[0, row, col]):
             union(parent, 4 * i, 4 * below + 3)
             union(parent, 4 * i + 1, 4 * below + 2)
     # A root is the smallest corner of its class, so vertices are numbered in raster order too.
@@ -118,7 +125,7 @@ def find_half_edges(cells, corner_ids, vertex_count, edge_type):
         for s in range(4):
             kind, near_r, near_c = across_side(edge_type, row, col, s)
             near = 0 <= near_r < grid and 0 <= near_c < grid and inside[near_r, near_c]
-            if near and kind == _NON_BOUNDARY:
+            if near and goes_on(kind):
                 continue
             cell[count], side[count], kinds[count] = i, s, kind
             start[count], end[count] = corner_ids[i, s], corner_ids[i, (s + 1) % 4]

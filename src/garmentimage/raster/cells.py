@@ -2,11 +2,12 @@
 
 Encoder and decoder share this file, so both read a raster in the same way.
 
-- A **cluster** is a set of cells connected through `NON_BOUNDARY` grid edges: one panel.
+- The cloth **goes on** across grid edges of type `NON_BOUNDARY` and `CREASE` between two cells.
+- A **cluster** is a set of cells across whose grid edges it goes on: one panel.
 - Each cell brings four corners (bottom left, bottom right, top right, top left) and four sides
   (bottom, right, top, left); side s runs counter-clockwise from corner s to corner s + 1.
-- Two cells share corners only through a `NON_BOUNDARY` grid edge. So the two legs of a slit keep
-  corners of their own, and every corner lies on at most one stretch of boundary.
+- Two cells share corners only through a grid edge across which cloth goes on. So the two legs of
+  a slit keep corners of their own, and every corner lies on at most one stretch of boundary.
 - A **half-edge** is a side of a cell on the boundary of its cluster, cloth on its left.
 
 The lines x = N and y = N have no stored type: cells there have a free boundary.
@@ -54,7 +55,7 @@ class HalfEdges:
 def label_panels(
     inside: Bool[np.ndarray, "layer row col"], edge_type: Integer[np.ndarray, "layer 2 row col"]
 ) -> tuple[Int[np.ndarray, "layer row col"], int]:
-    """Flood fill every layer over `NON_BOUNDARY` grid edges.
+    """Flood fill every layer over the grid edges across which cloth goes on.
 
     Returns:
         The panel number of each cell (`OUTSIDE` where there is none), numbered in raster order,
@@ -72,7 +73,7 @@ def label_panels(
 def cell_mesh(
     mask: Bool[np.ndarray, "row col"], edge_type: Integer[np.ndarray, "2 row col"]
 ) -> CellMesh:
-    """The quad mesh of the cells in `mask`, corners merged through `NON_BOUNDARY` grid edges.
+    """The quad mesh of the cells in `mask`, corners merged where cloth goes on.
 
     The cells may be those of one cluster or of several: clusters share no vertex.
     """

@@ -7,8 +7,7 @@
     5-8          10-17        type of the left grid edge, likewise
     9-16         18-25        (dx, dy) of the bottom, right, top and left edge vector [cm]
 
-Layers follow each other, the front first. Contract 1 has the first four edge types; contract 2 has
-room for eight, of which the last one is reserved: it is written as 0 and not read. Numbers of
+Layers follow each other, the front first. Contract 1 has the first four edge types. Numbers of
 flags and types may also be probabilities or logits, as networks give them; nothing here looks at
 values but `check_channels`.
 """
@@ -26,7 +25,13 @@ VECTOR_COUNT = 4  # edge vectors of a cell
 MIN_GRID, MAX_GRID = 4, 256  # smallest and largest grid that files may have
 MAX_LAYERS = 16
 
-_FRONT_TO_BACK, _WRAP, _SHEET, _ONTO = 2, 4, 5, 6  # of `EdgeType`, which is made of what is here
+_FRONT_TO_BACK, _WRAP, _SHEET, _ONTO, _CREASE = (
+    2,
+    4,
+    5,
+    6,
+    7,
+)  # of `EdgeType`, which is made of what is here
 
 Array = TypeVar("Array")  # a numpy array or a torch tensor
 
@@ -151,6 +156,8 @@ def with_contract(
         raise ImageError(
             "contract 1 has no channels for seams between sheets of cloth; use contract 2"
         )
+    if types[..., _CREASE, :, :].any():
+        raise ImageError("contract 1 has no channels for creases; use contract 2")
     kept = types[..., : wanted.edge_type_count, :, :].copy()
     kept[..., _FRONT_TO_BACK, :, :] += types[..., _WRAP, :, :]
     return join_channels(flags, kept, vectors)

@@ -17,6 +17,7 @@ from garmentimage.raster.channel_kind import ChannelKind, resolve_channel_kind
 from garmentimage.raster.channels import (
     CONTRACT_1,
     CONTRACTS,
+    MAX_LAYERS,
     Contract,
     check_channels,
     join_channels,
@@ -44,6 +45,9 @@ class EdgeType(IntEnum):
     to the same place of the opposite face."""
     ONTO = 6
     """On the boundary of a panel of the outer sheet: sewn onto the cloth beneath it."""
+    CREASE = 7
+    """Inside a panel: a fold of a pressed pleat that is seen; the cloth goes on (the paper's future
+    work calls it a tuck)."""
 
 
 BOTTOM, LEFT = 0, 1
@@ -171,7 +175,7 @@ class GarmentImage:
         return replace(self, edge_type=types)
 
     def to_channels(
-        self, contract: Contract | None = None
+        self, contract: Contract | None = None, *, layers: int | None = None
     ) -> Float32[np.ndarray, "channel row col"]:
         """The network's view: 17 channels a layer in contract 1, 26 in contract 2, front first.
 
@@ -179,11 +183,13 @@ class GarmentImage:
         left edge one-hot, same order; (dx, dy) of bottom, right, top, left edge vectors [cm].
 
         Args:
-            contract: which of the two; default: `GarmentImage.contract`. Choose 2 for arrays that
-                must be alike in shape, whatever the garments.
+            contract: which of the two; default: `GarmentImage.contract`.
+            layers: how many the array has, default: those of the image; more are empty. With
+                contract 2 and 4 layers, arrays of all garments are alike in shape.
 
         Raises:
-            ImageError: contract 1 does not hold the image, or there is no such contract.
+            ImageError: contract 1 does not hold the image, there is no such contract, or the image
+                has more layers.
         """
         chosen = self.contract if contract is None else contract
         if chosen not in CONTRACTS:
@@ -192,16 +198,29 @@ class GarmentImage:
             remedy = "choose contract 2"
             if self.turned.any():
                 what = "panels that are turned"
-            elif (self.edge_type >= EdgeType.SHEET).any():
+            elif np.isin(self.edge_type, (EdgeType.SHEET, EdgeType.ONTO)).any():
                 what = "seams between sheets of cloth"
+            elif (self.edge_type == EdgeType.CREASE).any():
+                what = "creases"
             else:
                 what = "panels that wrap round"
                 remedy += ", or cut them first: image.cut_at_wraps()"
             raise ImageError(f"contract 1 has no channels for {what}; {remedy}")
         types = one_hot(self.edge_type, CONTRACTS[chosen].edge_type_count)
         turned = self.turned if chosen == 2 else None
-        joined = join_channels(self.inside, types, self.deformation, turned)
-        return joined.astype(np.float32)
+        joined = join_channels(self.inside, types, self.deformation, turned).astype(np.float32)
+        if layers is None or layers == self.layers:
+            return joined
+        if not self.layers < layers <= MAX_LAYERS:
+            raise ImageError(
+                f"the image has {self.layers} layers; an array of {layers} does not hold it (at "
+                f"most {MAX_LAYERS})"
+            )
+        nothing = np.zeros((layers - self.layers, self.grid, self.grid), bool)
+        none = one_hot(np.zeros((len(nothing), 2, *nothing.shape[1:]), np.int8), types.shape[2])
+        vectors = np.zeros((len(nothing), *self.deformation.shape[1:]), np.float32)
+        empty = join_channels(nothing, none, vectors, nothing if chosen == 2 else None)
+        return np.concatenate([joined, empty.astype(np.float32)])
 
     @classmethod
     def from_channels(
@@ -232,7 +251,7 @@ class GarmentImage:
         inside = flags > threshold
         has_turned = parts.turned is not None
         turned = inside & (parts.turned > threshold) if has_turned else np.zeros_like(inside)
-        edge_type = types[:, :, : len(EdgeType)].argmax(axis=2).astype(np.int8)
+        edge_type = types.argmax(axis=2).astype(np.int8)
         deformation = np.where(inside[:, None, None], vectors, 0.0).astype(np.float32)
         if like is None:
             names = default_layer_names(layers)

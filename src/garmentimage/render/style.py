@@ -20,6 +20,7 @@ TYPE_COLOURS = {
     EdgeType.WRAP: "#009e73",
     EdgeType.SHEET: "#cc79a7",
     EdgeType.ONTO: "#e69f00",
+    EdgeType.CREASE: "#56b4e9",
 }
 """Grid edges by type (Okabe and Ito: distinct for any colour vision)."""
 
@@ -30,6 +31,7 @@ TYPE_NAMES = {
     EdgeType.WRAP: "cloth goes on",
     EdgeType.SHEET: "other sheet",
     EdgeType.ONTO: "onto cloth",
+    EdgeType.CREASE: "pleat's fold",
 }
 
 SEAM_COLOURS = (

@@ -10,7 +10,7 @@ from math import hypot
 from garmentimage.body import BodyMeasurements
 from garmentimage.draft import rules
 from garmentimage.draft.assemble import Assembly
-from garmentimage.draft.designs import SkirtDesign
+from garmentimage.draft.designs import PleatDesign, SkirtDesign
 from garmentimage.draft.panel import (
     BACK,
     FACINGS,
@@ -28,6 +28,7 @@ from garmentimage.draft.panel import (
     mirrored,
     placed,
 )
+from garmentimage.draft.parts.pleats import folded_width, pleated_waist, press_pleats
 from garmentimage.errors import DraftError
 from garmentimage.geometry import Bezier, Curve, Line, Point
 
@@ -71,7 +72,7 @@ class Gore:
         near_waist = lerp(waist, hip, HANDLE)
         return (*lower, NamedCurve("side_seam", Bezier(hip, (near_hip, near_waist), waist)))
 
-    def outline(self, minus_drop: float, plus_drop: float) -> Outline:
+    def outline(self, minus_drop: float, plus_drop: float, waist: Outline) -> Outline:
         """A gore whose side seams end `minus_drop` and `plus_drop` below the waist."""
         minus, plus = self.side(minus_drop), self.side(plus_drop)
         (mx, my), (px, py) = self.corner(minus_drop), self.corner(plus_drop)
@@ -79,7 +80,7 @@ class Gore:
         return (
             NamedCurve("hem", _hem((-mx, my), (px, py), low)),
             *plus,
-            *lines("waist", (self.top, 0.0), (-self.top, 0.0)),
+            *waist,
             *mirrored(minus),
         )
 
@@ -97,6 +98,7 @@ def add_skirt(
     body: BodyMeasurements,
     design: SkirtDesign,
     waist: dict[str, float] | None = None,
+    pleats: PleatDesign | None = None,
 ) -> dict[str, Seam]:
     """Draw a skirt.
 
@@ -105,6 +107,7 @@ def add_skirt(
         body: measurements.
         design: the skirt.
         waist: length of what it is sewn to, by facing [cm]; default: the body's waist with ease.
+        pleats: pleats in each gore; default: none.
 
     Returns:
         Its upper edges by facing, in loop order.
@@ -115,8 +118,10 @@ def add_skirt(
     count = design.gores // 2
     if waist is None:
         waist = {f: (body.waist_girth + rules.WAIST_EASE) / 2 for f in FACINGS}
-    tops = {f: design.skirt_fullness * waist[f] / count / 2 for f in FACINGS}
-    hip = (body.hip_girth + HIP_EASE) / design.gores / 2
+    waists = {f: design.skirt_fullness * waist[f] / count for f in FACINGS}
+    folded = folded_width(pleats) if pleats else 0.0
+    tops = {f: (w + folded) / 2 for f, w in waists.items()}
+    hip = (body.hip_girth + HIP_EASE) / design.gores / 2 + folded / 2
     hip_drop = body.waist_height - body.hip_height
     if max(tops.values()) >= hip:
         # A gathered skirt is wide enough for the hip from its top on.
@@ -136,11 +141,20 @@ def add_skirt(
         rows[facing] = []
         for k, name in enumerate(GORE_NAMES[count]):
             ends = (drops[k], drops[k + 1])
-            outline = gore.outline(*(ends if facing == FRONT else ends[::-1]))
+            top = gore.top, 0.0
+            edge = (
+                pleated_waist(waists[facing], pleats)
+                if pleats
+                else lines("waist", top, (-gore.top, 0.0))
+            )
+            outline = gore.outline(*(ends if facing == FRONT else ends[::-1]), edge)
             x = (k - (count - 1) / 2) * across
             origin = (x, body.waist_height - GAP, layer_depth(body))
             rows[facing].append(placed(f"{name}skirt_{facing}", outline, facing, origin))
         garment.add(*rows[facing])
+        if pleats:
+            for panel in rows[facing]:
+                press_pleats(garment, panel, pleats, drop)
     _sew_sides(garment, rows[FRONT], rows[BACK])
     return {
         FRONT: tuple(ref for panel in reversed(rows[FRONT]) for ref in panel.seam("waist")),

@@ -12,6 +12,7 @@ from .normals import (
     vertex_normals as vertex_normals,
 )
 from .rest import (
+    Pressed as Pressed,
     Rest as Rest,
     peak_strain as peak_strain,
     rest_of as rest_of,

@@ -17,16 +17,28 @@ from jaxtyping import Float, Int
 # stiffness times the squared curvature. The paper's sum of squares counts a bend once for each
 # direction of the mesh.
 def bending_matrix(
-    faces: Int[np.ndarray, "face 3"], flat: Float[np.ndarray, "face 3 2"], vertex_count: int
+    faces: Int[np.ndarray, "face 3"],
+    flat: Float[np.ndarray, "face 3 2"],
+    vertex_count: int,
+    folds: Int[np.ndarray, "fold 2"] | None = None,
 ) -> Any:
     """The matrix Q of the bending energy x Q x / 2, for a bending stiffness of 1.
 
-    A symmetric scipy CSR array, vertex by vertex [1/cm2]. `flat` are the rest places of each
-    triangle's corners in its own panel [cm].
+    A symmetric scipy CSR array, vertex by vertex [1/cm2].
+
+    Args:
+        faces: vertices of each triangle.
+        flat: the rest places of each triangle's corners in its own panel [cm].
+        vertex_count: number of vertices.
+        folds: ends of sides at which cloth is pressed to a fold, and does not resist bending.
     """
     from scipy.sparse import coo_array
 
     hinge, cotangent, area = _hinges(faces, flat)
+    if folds is not None and len(folds):
+        keys = np.sort(folds, axis=1) @ [vertex_count, 1]
+        bends = ~np.isin(np.sort(hinge[:, :2], axis=1) @ [vertex_count, 1], keys)
+        hinge, cotangent, area = hinge[bends], cotangent[bends], area[bends]
     # Corners of a hinge: its edge's two ends, then the two vertices across it.
     start0, end0, start1, end1 = cotangent.T
     reach = np.stack([end0 + end1, start0 + start1, -start0 - end0, -start1 - end1], axis=1)

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.drape.cloth import Cloth
+from garmentimage.drape.mesh.pleated import slit_at_folds
 from garmentimage.drape.mesh.triangulate import cloth_widths, split_sides, triangulate
 from garmentimage.errors import DrapeError, quoted
 from garmentimage.geometry import Curve, component_labels, polyline_length
@@ -66,14 +67,15 @@ def mesh(pattern: Pattern, *, vertices: int = DEFAULT_VERTICES) -> Cloth:
     check_size(pattern)
     if not MIN_VERTICES <= vertices <= MAX_VERTICES:
         raise DrapeError(f"{vertices} vertices; choose {MIN_VERTICES} to {MAX_VERTICES}")
+    slit = slit_at_folds(pattern)
     length = _first_length(pattern, vertices)
     for _ in range(MAX_ATTEMPTS):
-        cloth = _mesh(pattern, length)
+        cloth = _mesh(slit.pattern, length)
         better = _bounded(length * sqrt(cloth.vertex_count / vertices))
         if better == length or abs(cloth.vertex_count / vertices - 1) < COUNT_TOL:
             break
         length = better
-    return cloth
+    return slit.whole(cloth, pattern)
 
 
 def explain_vertex_count(count: int, wanted: int) -> str:

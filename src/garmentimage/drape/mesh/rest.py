@@ -18,6 +18,36 @@ the shorter side, and the longer one's cloth has to fold. Elsewhere it takes the
 
 
 @dataclass(frozen=True, eq=False)
+class Pressed:
+    """What holds cloth that is pressed onto other cloth of its own, as pleats are."""
+
+    vertices: Int[np.ndarray, " tie"]
+    triangles: Int[np.ndarray, "tie 3"]
+    """Vertices of the triangle over which each is held."""
+    shares: Float[np.ndarray, "tie 3"]
+    """Its place there as shares of their places."""
+    heights: Float[np.ndarray, " tie"]
+    """How far outward of the triangle; negative beneath it [cm]."""
+    stiffness: float
+    max_force: float
+    """Of every tie [dyn/cm], and the force at which it gives way [dyn]."""
+    raised: Float[np.ndarray, " vertex"]
+    """How far every vertex is kept off the body for cloth that lies beneath it [cm]."""
+
+    @classmethod
+    def nothing(cls, count: int) -> "Pressed":
+        """Nothing, of cloth with so many vertices."""
+        none = np.zeros((0, 3))
+        return cls(np.zeros(0, int), none.astype(int), none, np.zeros(0), 0.0, 0.0, np.zeros(count))
+
+    def pull(self) -> Float[np.ndarray, " vertex"]:
+        """The sum of stiffnesses that meet in each vertex [dyn/cm]."""
+        ends = np.concatenate([self.vertices, self.triangles.ravel()])
+        shares = np.concatenate([np.ones(len(self.vertices)), self.shares.ravel()])
+        return self.stiffness * np.bincount(ends, shares, minlength=len(self.raised))
+
+
+@dataclass(frozen=True, eq=False)
 class Rest:
     """A cloth without strain. Lengths in cm, areas in cm²."""
 
@@ -31,6 +61,8 @@ class Rest:
     face_area: Float[np.ndarray, " face"]  # area of each triangle
     inverse: Float[np.ndarray, "face 2 2"]
     """Inverse of the matrix whose columns go from a flat triangle's first corner to the others."""
+    folds: Int[np.ndarray, "fold 2"]  # ends of sides along which cloth is pressed to a fold
+    pressed: Pressed | None = None
 
     def part(
         self, vertices: Int[np.ndarray, " n"], faces: Bool[np.ndarray, " face"] | None = None
@@ -61,6 +93,7 @@ class Rest:
             vertex_area=self.vertex_area[vertices],
             face_area=self.face_area[own_faces],
             inverse=self.inverse[own_faces],
+            folds=number[self.folds][(number[self.folds] >= 0).all(axis=1)],
         )
 
 
@@ -86,6 +119,7 @@ def rest_of(cloth: Cloth) -> Rest:
         ),
         face_area=face_area,
         inverse=inverse.reshape(-1, 2, 2),
+        folds=cloth.folds,
     )
 
 

@@ -67,6 +67,17 @@ class Springs(NamedTuple):
     stiffness: Float[np.ndarray, " edge"]  # [dyn/cm]
 
 
+class Ties(NamedTuple):
+    """Springs from vertices to places over triangles, which give way."""
+
+    vertices: Int[np.ndarray, " tie"]
+    triangles: Int[np.ndarray, "tie 3"]  # vertices of the triangle that each is tied to
+    shares: Float[np.ndarray, "tie 3"]  # the place on it, as shares of theirs
+    heights: Float[np.ndarray, " tie"]  # how far outward of it [cm]
+    stiffness: float  # of all [dyn/cm]
+    max_force: float  # greatest pull [dyn]
+
+
 class Bending(NamedTuple):
     """The matrix Q of the bending energy x Q x / 2 in CSR form [dyn/cm]."""
 
@@ -113,10 +124,13 @@ class Model(NamedTuple):
 
     triangles: Triangles
     springs: Springs
+    ties: Ties
     bending: Bending
     masses: Masses
     pins: Pins
     has_friction: Bool[np.ndarray, " vertex"]  # vertices with friction while seams close, too
+    raised: Float[np.ndarray, " vertex"]
+    """How far each vertex is kept off the body for cloth that lies beneath it [cm]."""
     field: Field
     material: Material
 
@@ -182,11 +196,12 @@ def simulate(points, speeds, span, state, model, schedule, rates):
             if substep % refresh == 0:
                 _look_ahead(points, state.displacement, BEND_LOOK_AHEAD * refresh, ahead)
                 _bend(ahead, model.bending, bend_force)
-                _find_planes(points, model.field, material.thickness, reach, state)
+                _find_planes(points, model.field, material.thickness, model.raised, reach, state)
             # Stretch is stiff, so its forces are computed anew in every step.
             _look_ahead(points, state.displacement, LOOK_AHEAD, ahead)
             force[:] = bend_force
             _stretch(ahead, model.springs, force)
+            _tie(ahead, model.ties, force)
             _advance_all(
                 points, state.displacement, force, model.masses, damping, gravity_step, step,
                 rates.max_speed,
@@ -244,6 +259,34 @@ def _stretch(points, springs, force):
         _add(force, b, -tension * x, -tension * y, -tension * z)
 
 
+@njit(cache=True)
+def _tie(points, ties, force):
+    """Add the forces of ties: k (q - x) up to `max_force`, and the opposite on the triangle.
+
+    The place q is that on the triangle, moved outward by the height of the tie.
+    """
+    for n in range(len(ties.vertices)):
+        i = ties.vertices[n]
+        a, b, c = ties.triangles[n]
+        ux, uy, uz = _difference(points, b, points, a)
+        vx, vy, vz = _difference(points, c, points, a)
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        height = ties.heights[n] / (np.sqrt(x * x + y * y + z * z) + MIN_LENGTH)
+        x, y, z = height * x - points[i, 0], height * y - points[i, 1], height * z - points[i, 2]
+        for k in range(3):
+            j, share = ties.triangles[n, k], ties.shares[n, k]
+            x += share * points[j, 0]
+            y += share * points[j, 1]
+            z += share * points[j, 2]
+        away = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
+        pull = min(ties.stiffness, ties.max_force / away)
+        x, y, z = pull * x, pull * y, pull * z
+        _add(force, i, x, y, z)
+        for k in range(3):
+            j, share = ties.triangles[n, k], ties.shares[n, k]
+            _add(force, j, -share * x, -share * y, -share * z)
+
+
 # The quadratic energy x Q x / 2 of Bergou et al. 2006, see `mesh.bending`. Its force -Q x is
 # linear, and is kept for several steps as it changes slowly.
 @njit(cache=True)
@@ -264,8 +307,8 @@ def _bend(points, matrix, force):
 # The body is a signed distance field. Near a vertex it is replaced by the half-space n . x < c
 # under the tangent plane of its nearest place.
 @njit(cache=True)
-def _find_planes(points, field, thickness, reach, state):
-    """The tangent plane of the body for each vertex, moved out by thickness and lift.
+def _find_planes(points, field, thickness, raised, reach, state):
+    """The tangent plane of the body for each vertex, moved out by thickness, lift and `raised`.
 
     A vertex that cannot reach the body before keeps no plane for `skipped` more calls; it moves at
     most `reach` between calls.
@@ -280,7 +323,7 @@ def _find_planes(points, field, thickness, reach, state):
         # How far the vertex is outside of its own offset surface.
         p = points[i]
         distance, x, y, z = sample_field(values, origin, per_cell, p[0], p[1], p[2])
-        clear = distance - thickness - lift[i]
+        clear = distance - thickness - lift[i] - raised[i]
         skipped[i] = min(max(int(clear * DISTANCE_TRUST / reach) - 1, 0), MAX_SKIPPED)
         if skipped[i] > 0:
             # An offset of minus infinity: everything is outside.

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentimage.drape.fabric import Fabric
-from garmentimage.drape.mesh import Rest, bending_matrix
+from garmentimage.drape.mesh import Pressed, Rest, bending_matrix
 from garmentimage.drape.solver import _kernels_step as kernels
 from garmentimage.drape.solver.distance_field import DistanceField
 
@@ -152,16 +152,18 @@ def _model(
 ) -> tuple[kernels.Model, kernels.Schedule]:
     """Springs, masses and steps of a cloth, its inertia raised where a step would be unstable."""
     count = len(rest.vertex_area)
+    pressed = rest.pressed or Pressed.nothing(count)
     # So equilateral triangles are a sheet of the fabric's stretch and of Poisson's ratio 1/3.
     stiffness = fabric.stretch * rest.area / rest.length**2
     weight = np.maximum(fabric.weight * rest.vertex_area, 1e-12)
     pull = np.bincount(rest.edges.ravel(), np.repeat(stiffness, 2), minlength=count)
+    pull = pull + pressed.pull()
     substeps = _substeps(pull / weight, settings.max_substeps)
     step = kernels.FRAME / substeps
     # The flat triangles, each with its first corner at the origin.
     sides = np.linalg.inv(rest.inverse).transpose(0, 2, 1)
     flat = np.concatenate([np.zeros((len(sides), 1, 2)), sides], axis=1)
-    bending = bending_matrix(rest.faces, flat, count) * fabric.bend
+    bending = bending_matrix(rest.faces, flat, count, rest.folds) * fabric.bend
     bend_pull = np.bincount(bending.indices, np.abs(bending.data), minlength=count)
     refresh = _refresh(bend_pull / weight, step)
     # Least inertia for which a step is stable: h^2 pull / m <= STABLE, and the same for bending.
@@ -172,10 +174,12 @@ def _model(
     model = kernels.Model(
         kernels.Triangles(rest.faces.astype(np.int64), MAX_LIFT * _side_lengths(rest, count)),
         kernels.Springs(rest.edges.astype(np.int64), rest.length, stiffness),
+        _ties(pressed),
         kernels.Bending(bending.indptr, bending.indices, bending.data),
         kernels.Masses(1.0 / inertia, weight / inertia),
         _pins(attachment, inertia, step),
         has_friction,
+        np.ascontiguousarray(pressed.raised, dtype=float),
         kernels.Field(field.values, field.origin, 1.0 / field.cell),
         kernels.Material(fabric.thickness, fabric.friction, fabric.damping),
     )
@@ -215,3 +219,14 @@ def _pins(
     max_shift = attachment.max_force * step**2 / inertia[vertices]
     targets = np.ascontiguousarray(attachment.targets, dtype=float)
     return kernels.Pins(vertices, targets, share, max_shift)
+
+
+def _ties(pressed: Pressed) -> kernels.Ties:
+    return kernels.Ties(
+        np.ascontiguousarray(pressed.vertices, dtype=np.int64),
+        np.ascontiguousarray(pressed.triangles, dtype=np.int64),
+        np.ascontiguousarray(pressed.shares, dtype=float),
+        np.ascontiguousarray(pressed.heights, dtype=float),
+        float(pressed.stiffness),
+        float(pressed.max_force),
+    )

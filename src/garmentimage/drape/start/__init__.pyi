@@ -12,6 +12,9 @@ from .placement import (
     on_hips as on_hips,
     place_on_body as place_on_body,
 )
+from .pleats import (
+    pressed_pleats as pressed_pleats,
+)
 from .starting import (
     start_points as start_points,
 )

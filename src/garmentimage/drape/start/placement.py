@@ -204,7 +204,8 @@ def _scaled(pattern: Pattern, scale: float) -> Pattern:
         replace(sewn, offset=(sewn.offset[0] * scale, sewn.offset[1] * scale))
         for sewn in pattern.onto
     )
-    return replace(pattern, panels=tuple(panels), onto=onto)
+    pleats = tuple(replace(p, pressed=p.pressed * scale) for p in pattern.pleats)
+    return replace(pattern, panels=tuple(panels), onto=onto, pleats=pleats)
 
 
 def _scaled_loop(loop: Loop, scale: float) -> Loop:

@@ -17,6 +17,7 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.start.collars import lay_collar
 from garmentimage.drape.start.legs import clear_feet, shift_leg
 from garmentimage.drape.start.placement import Placement
+from garmentimage.drape.start.pleats import folded_flat
 from garmentimage.drape.start.skirts import hang_skirts
 from garmentimage.drape.start.sleeves import lay_sleeve
 
@@ -26,9 +27,13 @@ def start_points(
 ) -> Float[np.ndarray, "vertex 3"]:
     """Where every vertex of placed panels begins: halfway between the corners sewn into it [cm]."""
     corners = np.empty((len(cloth.flat), 3))
+    flat, outward = folded_flat(cloth)
     for k, panel in enumerate(cloth.pattern.panels):
         own = cloth.panel == k
-        corners[own] = panel.to_world(cloth.flat[own])
+        corners[own] = panel.to_world(flat[own])
+        if outward[own].any():
+            out = panel.matrix[:, 2] * np.sign(panel.outline.area)
+            corners[own] += outward[own][:, None] * out
     landmarks = body.landmarks
     if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= landmarks.keys():
         for side in (1, -1):

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from garmentimage.errors import PatternError, StitchError, quoted
 from garmentimage.geometry import CHORDS, connected_components, polyline_length
 from garmentimage.pattern.checks.placement import placement_findings
+from garmentimage.pattern.checks.pleated import check_pleats, pressed_findings
 from garmentimage.pattern.checks.split_seams import half_sewn_findings
 from garmentimage.pattern.finding import Finding, some
 from garmentimage.pattern.model import (
@@ -88,6 +89,7 @@ def check_pattern(
         *_check_lengths(pattern, numbers),
         *half_sewn_findings(pattern, numbers),
         *_check_places_on(pattern),
+        *pressed_findings(pattern),
         *_check_assembly(pattern),
         *placement_findings(pattern),
     )
@@ -116,6 +118,7 @@ def check_structure(pattern: Pattern, *, stitch_numbers: Sequence[int] | None = 
     numbers = range(len(pattern.stitches)) if stitch_numbers is None else stitch_numbers
     _check_stitches(pattern, numbers)
     _check_onto(pattern)
+    check_pleats(pattern)
 
 
 def check_name(name: str) -> None:
@@ -418,7 +421,7 @@ def _check_stubs(pattern: Pattern) -> list[Finding]:
         Finding(
             panel_place(panel.name),
             f"edge{'s' if len(edges) > 1 else ''} {some(edges)} {_are(edges)} shorter than "
-            f"{STUB_CM:g} cm; an image has no room for that: what lies beside it meets there",
+            f"{STUB_CM:g} cm and dissolved in images and drapes: their neighbours are made to meet",
         )
         for panel in pattern.panels
         if (edges := found.get(panel.name))

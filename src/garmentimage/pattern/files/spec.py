@@ -16,7 +16,10 @@ What the format has no place for lives in one field, "garmentimage", beside "pat
       "stitches": [{"position": k, "stitch": [...]}],           stitches that touch a hole
       "onto": [{"panel": NAME, "edges": [k, ...],               edges sewn onto cloth: schema 2
                 "on": NAME, "matrix": [[a, b], [c, d]],         place on it = matrix @ own place
-                "offset": [x, y]}] }                            + offset
+                "offset": [x, y]}],                             + offset
+      "pleats": [{"panel": NAME, "edges": [k, k + 1],           pressed pleats: schema 2
+                  "fold": "left", "right", "box" or "inverted",
+                  "pressed": length from the edges on}] }
 
 Edges of holes are numbered on after the panel's own edges. A pattern without such things is
 written without the field.

@@ -24,6 +24,7 @@ from garmentimage.pattern.checks import (
 )
 from garmentimage.pattern.direction import outward, turned_edge
 from garmentimage.pattern.files.json_file import check_nesting
+from garmentimage.pattern.files.layers_spec import LayersReader
 from garmentimage.pattern.files.values import (
     as_flag,
     as_integer,
@@ -48,7 +49,6 @@ from garmentimage.pattern.model import (
     Pattern,
     Point,
     Quadratic,
-    SewnOnto,
     Side,
     Stitch,
     Vector,
@@ -56,7 +56,7 @@ from garmentimage.pattern.model import (
     relative_control,
 )
 
-SCHEMA = 2  # newest version of the field "garmentimage"; 2 has "onto"
+SCHEMA = 2  # newest version of the field "garmentimage"; 2 has "onto" and "pleats"
 OURS = "garmentimage"
 SAME_DIRECTION_FLAG = "right_wrong"
 CM_PER_METRE = 100
@@ -134,9 +134,11 @@ class _Reader:
             panel, orders[key] = self.panel(key, as_object(value, panel_place(key)), mine, units)
             panels.append(panel)
         numbers, stitches = self.stitches(body, ours, panels, orders)
-        onto = self.onto(ours, panels, orders, units)
+        layers = LayersReader(panels, orders, self.middles, units.scale)
+        onto = layers.onto(ours.get("onto", []), f"{OURS}.onto")
+        pleats = layers.pleats(ours.get("pleats", []), f"{OURS}.pleats")
         extra = self.extra(top, body, properties, ours)
-        pattern = Pattern(tuple(panels), stitches, name=name, onto=onto, extra=extra)
+        pattern = Pattern(tuple(panels), stitches, name, onto, pleats, extra)
         pattern, turned = outward(pattern)
         self.found.extend(turned)
         self.found.extend(check_pattern(pattern, stitch_numbers=numbers))
@@ -192,7 +194,7 @@ class _Reader:
             for name, given in ours.get("panels", {}).items()
             if (rest := without(given, ("holes", "grain", "notches", "cloth_layer")))
         }
-        in_ours = without(ours, ("schema", "panels", "stitches", "onto"))
+        in_ours = without(ours, ("schema", "panels", "stitches", "onto", "pleats"))
         places = {
             "top": without(top, ("pattern", "properties", OURS)),
             "pattern": in_pattern,
@@ -200,42 +202,6 @@ class _Reader:
             "ours": {**in_ours, **({"panels": our_panels} if our_panels else {})},
         }
         return {place: fields for place, fields in places.items() if fields}
-
-    def onto(
-        self,
-        ours: Mapping[str, Any],
-        panels: Sequence[Panel],
-        orders: Mapping[str, Sequence[int]],
-        units: _Units,
-    ) -> tuple[SewnOnto, ...]:
-        """What is sewn onto cloth, edges by their new numbers."""
-        counts = {panel.name: len(panel.outline.edges) for panel in panels}
-        found = []
-        for k, value in enumerate(as_list(ours.get("onto", []), f"{OURS}.onto")):
-            place = f"{OURS}.onto, {k}"
-            given = as_object(value, place)
-            name, on = (str(member(given, key, place)) for key in ("panel", "on"))
-            edges = [
-                as_integer(e, f"{place}, edges")
-                for e in as_list(member(given, "edges", place), f"{place}, edges")
-            ]
-            for edge in edges:
-                check_side(Side(name, edge), counts, place)
-            rows = as_list(member(given, "matrix", place), f"{place}, matrix")
-            if len(rows) != 2:
-                raise PatternError(f"{place}, matrix: give two rows of two numbers")
-            first, second = (as_point(row, f"{place}, matrix") for row in rows)
-            offset = units.point(as_point(member(given, "offset", place), f"{place}, offset"))
-            if on in self.middles and name in self.middles:
-                # As the panels' own vertices were moved.
-                own, base = self.middles[name], self.middles[on]
-                offset = (
-                    offset[0] + first[0] * own[0] + first[1] * own[1] - base[0],
-                    offset[1] + second[0] * own[0] + second[1] * own[1] - base[1],
-                )
-            numbers = tuple(sorted(orders[name][edge] for edge in edges))
-            found.append(SewnOnto(name, numbers, on, (first, second), offset))
-        return tuple(found)
 
     def panel(
         self, name: str, data: Mapping[str, Any], ours: Mapping[str, Any], units: _Units

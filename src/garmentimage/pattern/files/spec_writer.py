@@ -17,6 +17,7 @@ from garmentimage.pattern.model import (
     Loop,
     Panel,
     Pattern,
+    Pleat,
     Quadratic,
     SewnOnto,
     Stitch,
@@ -118,8 +119,13 @@ def _ours_spec(pattern: Pattern) -> dict[str, Any]:
         **({"panels": panels} if panels else {}),
         **({"stitches": stitches} if stitches else {}),
     }
-    if pattern.onto:
-        return {"schema": SCHEMA, **ours, "onto": [_onto_spec(sewn) for sewn in pattern.onto]}
+    newer = {
+        "onto": [_onto_spec(sewn) for sewn in pattern.onto],
+        "pleats": [_pleat_spec(pleat) for pleat in pattern.pleats],
+    }
+    newer = {name: fields for name, fields in newer.items() if fields}
+    if newer:
+        return {"schema": SCHEMA, **ours, **newer}
     return {"schema": 1, **ours} if ours else {}
 
 
@@ -130,6 +136,15 @@ def _onto_spec(sewn: SewnOnto) -> dict[str, Any]:
         "on": sewn.on,
         "matrix": [list(row) for row in sewn.matrix],
         "offset": list(sewn.offset),
+    }
+
+
+def _pleat_spec(pleat: Pleat) -> dict[str, Any]:
+    return {
+        "panel": pleat.panel,
+        "edges": list(pleat.edges),
+        "fold": pleat.fold,
+        "pressed": pleat.pressed,
     }
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from garmentimage.geometry import Arc, Bezier, Curve, Point, centroid
 from garmentimage.pattern.model import Panel, Pattern, Side, Stitch
+from garmentimage.pattern.pleats import PleatFoldLine, fold_lines
 from garmentimage.system import write_atomically
 
 MM_PER_CM = 10.0
@@ -38,6 +39,11 @@ STYLE = """
 .grain, .notch { stroke: #444; stroke-width: 0.5 }
 text { font-family: sans-serif; text-anchor: middle; fill: #444 }
 """.strip()
+
+FOLD_STYLE = """
+.fold { stroke: #444; stroke-width: 0.5; stroke-dasharray: 4 2 }
+.fold.beneath { stroke-dasharray: 1 2 }
+""".rstrip()
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,7 @@ def pattern_to_svg(pattern: Pattern) -> str:
         for side, partner in ((stitch.a, stitch.b), (stitch.b, stitch.a))
     }
     groups = [
-        _panel_group(number, panel, spot, height, sewn)
+        _panel_group(number, panel, spot, height, sewn, _folds(pattern, panel))
         for number, (panel, spot) in enumerate(zip(pattern.panels, spots, strict=True))
     ]
     w, h = _mm(width), _mm(height)
@@ -76,7 +82,7 @@ def pattern_to_svg(pattern: Pattern) -> str:
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{w}mm" height="{h}mm" '
             f'viewBox="0 0 {w} {h}">',
             f"<title>{_text(pattern.name or 'sewing pattern')}</title>",
-            f"<style>{STYLE}</style>",
+            f"<style>{STYLE}{FOLD_STYLE if pattern.pleats else ''}</style>",
             *groups,
             "</svg>\n",
         ]
@@ -135,6 +141,7 @@ def _panel_group(
     spot: Spot,
     height: float,
     sewn: dict[Side, tuple[int, Side, Stitch]],
+    folds: Sequence[PleatFoldLine],
 ) -> str:
     low = panel.outline.polygon.min(axis=0)
     sheet = _Sheet(spot.x - float(low[0]), spot.y - float(low[1]), height)
@@ -147,6 +154,10 @@ def _panel_group(
             f'data-panel="{name}" data-edge="{k}"{_partner(partner)} d="{_path(curve, sheet)}"/>'
         )
     lines.extend(sheet.line("notch", *_notch_ends(panel, n.edge, n.at)) for n in panel.notches)
+    lines.extend(
+        sheet.line("fold" if fold.is_seen else "fold beneath", fold.start, fold.end)
+        for fold in folds
+    )
     x, y = (float(v) for v in centroid(panel.outline.polygon))
     if panel.grain is not None:
         reach = GRAIN_SHARE * min(_size(panel)) / 2
@@ -156,6 +167,11 @@ def _panel_group(
     px, py = sheet.point((x, y)).split()
     lines.append(f'<text x="{px}" y="{py}" font-size="{_mm(size)}">{name}</text>')
     return "\n".join([*lines, "</g>"])
+
+
+def _folds(pattern: Pattern, panel: Panel) -> list[PleatFoldLine]:
+    own = (pleat for pleat in pattern.pleats if pleat.panel == panel.name)
+    return [fold for pleat in own for fold in fold_lines(pattern, pleat)]
 
 
 def _partner(found: tuple[int, Side, Stitch] | None) -> str:

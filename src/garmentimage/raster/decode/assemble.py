@@ -17,15 +17,10 @@ from garmentimage.pattern import (
     fold_over,
     loop_from_curves,
 )
-from garmentimage.raster.decode.boundary import Boundary, Cluster
+from garmentimage.raster.decode.boundary import NONE, Boundary, Cluster, rigid
 from garmentimage.raster.decode.fit_edges import FittedPanels
 from garmentimage.raster.decode.naming import panel_names
-from garmentimage.raster.decode.whole_panels import (
-    Frame,
-    WrappedPlace,
-    sewn_onto,
-    wrapped_place,
-)
+from garmentimage.raster.decode.on_cloth import Frame, pressed_pleats, sewn_onto
 from garmentimage.raster.image import GarmentImage, PanelMark
 
 DEPTH_CM = 20.0
@@ -48,6 +43,66 @@ class PanelFrames:
     matrices: list[Float[np.ndarray, "2 2"]]  # for each cluster, orthogonal
     shifts: list[Float[np.ndarray, " 2"]]
     """For each cluster where the raster frame puts the panel's origin [cm]."""
+
+
+@dataclass(frozen=True)
+class WrappedPlace:
+    """Where a panel stands that was joined from parts and has no mark: edge-on, at the side of the
+    body or over it, as encoding lays such panels flat (see `raster.encode.placement`).
+    """
+
+    turn: Float[np.ndarray, "2 2"]
+    """Takes the frame in which it was joined to the one that lies midway."""
+    rotation: Float[np.ndarray, "3 3"]
+    """Of the panel, in the frame that lies midway."""
+    middle: Float[np.ndarray, " 2"]
+    """Mean place of its parts in the raster's frame [cm]."""
+    cut: Float[np.ndarray, " 2"]
+    """The middle of the line between front and back, in the frame that lies midway [cm]."""
+
+
+def wrapped_place(
+    clusters: Sequence[Cluster],
+    before: Boundary,
+    after: Boundary,
+    members: Sequence[int],
+    matrix: Float[np.ndarray, "2 2"],
+) -> WrappedPlace:
+    """The place of a panel that was joined along wraps.
+
+    Args:
+        clusters: all.
+        before: half-edges in the frames of the clusters.
+        after: the same half-edges once joined.
+        members: its clusters; the first, in whose frame they were joined, lies in front.
+        matrix: raster frame = matrix @ frame of the first.
+    """
+    weights = np.array([float(len(clusters[k].mesh.cells)) for k in members])
+    weights /= weights.sum()
+    angle = -sum(w * _turned_by(before, after, k) for w, k in zip(weights, members, strict=True))
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    first = before.cluster == members[0]
+    gone = first & before.wraps & (after.following == NONE)
+    cut = np.concatenate([before.tail[gone], before.head[gone]])
+    outward = np.sign(matrix @ (cut.mean(axis=0) - before.tail[first].mean(axis=0)))
+    width, height = np.ptp(cut @ matrix.T, axis=0)
+    (x, y), none = np.eye(2), np.zeros(2)
+    # What the front part has farther inward from the cut stands farther forward.
+    upright = [none, y, -outward[0] * x] if height >= width else [x, none, -outward[1] * y]
+    axes = np.stack(upright)
+    return WrappedPlace(
+        turn=turn,
+        rotation=np.column_stack([axes, np.cross(axes[:, 0], axes[:, 1])]),
+        middle=weights @ np.array([clusters[k].vertices.mean(axis=0) for k in members]),
+        cut=turn @ cut.mean(axis=0),
+    )
+
+
+def _turned_by(before: Boundary, after: Boundary, cluster: int) -> float:
+    """Angle by which a cluster was turned when it was joined [rad]."""
+    own = (before.cluster == cluster) & (after.following != NONE)
+    rotation, _ = rigid(before.tail[own], after.tail[own])
+    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
 def marks_of_clusters(
@@ -130,6 +185,8 @@ def assemble(
     sewn = tuple(Stitch(side_of[a], side_of[b]) for a, b in fitted.seams.stitches)
     onto = sewn_onto(image, clusters, fitted, flat, names)
     pattern = Pattern(tuple(panels), sewn, image.name, onto)
+    pleats = pressed_pleats(image, clusters, fitted, flat, pattern)
+    pattern = replace(pattern, pleats=pleats)
     turned = {names[k] for k in fitted.members if _is_turned(clusters, fitted.whole == k)}
     if not turned:
         return pattern

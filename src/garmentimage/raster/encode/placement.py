@@ -20,6 +20,7 @@ from jaxtyping import Float
 from garmentimage.errors import EncodeError
 from garmentimage.geometry import signed_area
 from garmentimage.pattern import FRONTAL, Pattern, Point, floor_shift, fold_seams
+from garmentimage.raster.encode.creases import cut_creases
 from garmentimage.raster.encode.joints import find_joints
 from garmentimage.raster.encode.pockets import cut_beneath
 from garmentimage.raster.encode.split import PanelPart, SplitPattern, split_wrapping
@@ -69,6 +70,8 @@ class PlacedPanel:
     origin: tuple[int | None, ...] = ()
     """Per edge the number of the edge of the pattern's panel that it is, or is a part of; None
     where the panel was cut."""
+    pleats: tuple[tuple[int, ...], ...] = ()
+    """For each pressed pleat its edges in the order of the loop, its creases among them."""
 
     @property
     def faces_out(self) -> bool:
@@ -91,8 +94,8 @@ class PlacedSeam:
     """The start of `a` meets the end of `b`."""
     is_cut: bool = False
     """Where a panel was cut in two: the cloth goes on, round the body."""
-    is_inner: bool = False
-    """Between a panel and what lies beneath a pocket on it: the cloth goes on."""
+    is_crease: bool = False
+    """Along a fold that is seen: the cloth goes on."""
 
 
 @dataclass(frozen=True)
@@ -162,12 +165,13 @@ def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
         matrix, offset = poses[id(each.base)]
         poses[id(each.hidden)] = matrix, offset
         poses[id(each.part)] = matrix @ each.matrix, matrix @ each.offset + offset
+    cut_creases(split, pattern)
     # By layer and place, so that file order cannot matter.
     parts = sorted(split.parts, key=lambda p: (p.layer, _lean(split, p), p.name))
     where = {edge: (i, k) for i, p in enumerate(parts) for k, edge in enumerate(p.edges)}
     panels = tuple(_placed(split, p, *poses[id(p)]) for p in parts)
     sewn = [
-        PlacedSeam(where[e], where[f], crossed, e in split.cuts, e in split.inner)
+        PlacedSeam(where[e], where[f], crossed, e in split.cuts, e in split.creases)
         for e, (f, crossed) in split.sewn.items()
     ]
     seams = tuple(sorted((s for s in sewn if s.a < s.b), key=lambda s: (s.a, s.b)))
@@ -400,6 +404,7 @@ def _placed(
     split: SplitPattern, part: PanelPart, matrix: Matrix, offset: Float[np.ndarray, " 2"]
 ) -> PlacedPanel:
     numbers = iter(range(len(part.edges)))
+    number = {edge: k for k, edge in enumerate(part.edges)}
     panel = PlacedPanel(
         name=part.name,
         source=part.source,
@@ -411,6 +416,7 @@ def _placed(
         sign=1,
         is_part=part.is_part,
         origin=tuple(split.origin.get(e) for e in part.edges),
+        pleats=tuple(tuple(number[e] for e in run) for run in split.pleats if run[0] in number),
     )
     return panel if signed_area(panel.outline) > 0 else replace(panel, sign=-1)
 

@@ -70,7 +70,6 @@ def _cut_beneath(split: SplitPattern, onto: SewnOnto) -> SewnPart:
         split.curves[hidden] = curve[::-1] if against else curve
         split.curves[hole] = split.curves[hidden][::-1]
         split.sew(hidden, hole, crossed=True)
-        split.inner |= {hidden, hole}
         hidden_edges.append(hidden)
         holes.append(hole)
         sides.append((edge, hidden, against, split.origin[edge] in onto.edges))
@@ -122,7 +121,6 @@ def _cut_across(split: SplitPattern, onto: SewnOnto) -> SewnPart:
         one, other = next(split.numbers), next(split.numbers)
         split.curves[one], split.curves[other] = curve, curve[::-1]
         split.sew(one, other, crossed=True)
-        split.inner |= {one, other}
         along.append(one)
         against.append(other)
         sides.append((edge, one, False, True))

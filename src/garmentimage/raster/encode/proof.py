@@ -10,9 +10,9 @@ from jaxtyping import Float
 from garmentimage.compare import (
     StitchGraph,
     compare_patterns,
+    differences_on_cloth,
     lengths_agree,
     match_graphs,
-    onto_differences,
     same_stitch_graph,
     stitch_graph,
     surely_same,
@@ -57,7 +57,7 @@ def disproof(pattern: Pattern, graph: StitchGraph, image: GarmentImage) -> Dispr
     back = stitch_graph(decoded)
     # With marks every panel has its name again, so that no other assignment is searched.
     same = {name: name for name in graph.panels if name in back.panels}
-    lost = onto_differences(pattern, decoded, same)
+    lost = differences_on_cloth(pattern, decoded, same)
     if not lost and surely_same(pattern, decoded, (graph, back)):
         return Disproof()
     lost = lost or same_stitch_graph(graph, back, same)

@@ -71,8 +71,10 @@ class SplitPattern:
     is a part of, or begins with."""
     cuts: set[int] = field(default_factory=set)
     """The edges that were made by cutting panels in two."""
-    inner: set[int] = field(default_factory=set)
-    """The edges round what was cut out beneath pockets."""
+    creases: set[int] = field(default_factory=set)
+    """The edges that were made by slitting panels along creases."""
+    pleats: list[tuple[int, ...]] = field(default_factory=list)
+    """For each pressed pleat its edges in the order of the loop, its creases among them."""
     _own_centres: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
     """Centres of area already found, by outer loop."""
     numbers: Iterator[int] = field(default_factory=itertools.count)

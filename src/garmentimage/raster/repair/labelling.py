@@ -48,7 +48,6 @@ def unary_costs(array: np.ndarray, kind: ChannelKind) -> UnaryCosts:
         ImageError: a wrong shape, or values that are not finite.
     """
     flags, types, vectors, turned = split_channels(check_channels(array))
-    types = types[:, :, : len(EdgeType)]
     if kind == "channels":
         decided = one_hot_costs(GarmentImage.from_channels(array, kind=kind))
         found = UnaryCosts(decided.inside, decided.types, vectors, decided.turned)

@@ -14,6 +14,11 @@ from garmentimage.errors import ImageError
 from garmentimage.raster.channel_kind import ChannelKind, is_binary, resolve_channel_kind
 from garmentimage.raster.channels import check_channels, split_channels
 from garmentimage.raster.image import BOTTOM, LEFT, EdgeType, GarmentImage
+from garmentimage.raster.repair.creases import (
+    with_creases,
+    with_creases_inner,
+    without_creases,
+)
 from garmentimage.raster.repair.labelling import (
     UnaryCosts,
     minimise_energy,
@@ -37,7 +42,7 @@ CELL_SIZE_RANGE = (0.2, 5.0)
 """A cell that was not meant to be inside keeps its own vectors if they are this many times the
 grid's own cell, else it takes those of its neighbours."""
 
-_NON_BOUNDARY = int(EdgeType.NON_BOUNDARY)
+_NON_BOUNDARY, _CREASE = int(EdgeType.NON_BOUNDARY), int(EdgeType.CREASE)
 
 
 @dataclass(frozen=True)
@@ -112,20 +117,24 @@ def _repaired(
         return given, {}
     if level == "full":
         return _repaired_fully(given, costs or one_hot_costs(given))
-    types, counts = repair_paper_cases(given)
+    is_crease = given.edge_type == _CREASE
+    types, counts = repair_paper_cases(replace(given, edge_type=without_creases(given.edge_type)))
+    types = np.where(is_crease & (types == _NON_BOUNDARY), _CREASE, types)
     return (replace(given, edge_type=types) if any(counts.values()) else given), counts
 
 
 def _repaired_fully(given: GarmentImage, costs: UnaryCosts) -> tuple[GarmentImage, dict[str, int]]:
     flag_cost = np.ascontiguousarray(costs.inside, float)
-    type_cost = with_neighbour_gain(costs.types, given.edge_type)
+    # Creases bound nothing: they count as inner grid edges until all walls stand.
+    type_costs, given_types = with_creases_inner(costs.types), without_creases(given.edge_type)
+    type_cost = with_neighbour_gain(type_costs, given_types)
     inside, types = minimise_energy(given.inside, flag_cost, type_cost)
     counts = {
         "inconsistent flags": int((inside != given.inside).sum()),
-        "inconsistent edge types": int((types != given.edge_type).sum()),
+        "inconsistent edge types": int((types != given_types).sum()),
     }
     counts["seams and slits made whole or dropped"] = unify_seams(inside, types, type_cost)
-    counts["thin regions merged"] = merge_thin_regions(inside, types, costs.types, type_cost)
+    counts["thin regions merged"] = merge_thin_regions(inside, types, type_costs, type_cost)
     counts["lone cells dropped"] = drop_isolated_regions(inside, types, flag_cost)
     # What was merged may leave a slit behind.
     counts["seams and slits made whole or dropped"] += unify_seams(inside, types, type_cost)
@@ -135,7 +144,9 @@ def _repaired_fully(given: GarmentImage, costs: UnaryCosts) -> tuple[GarmentImag
     counts["turned flags"] = int((turned != given.turned)[inside & given.inside].sum())
     repaired = replace(given, inside=inside, edge_type=types, turned=turned)
     types, paper = repair_paper_cases(repaired)
+    types = with_creases(types, inside, costs.types)
     counts |= paper
+    counts["creases dropped"] = int(((given.edge_type == _CREASE) & (types != _CREASE)).sum())
     deformation, filled = _fill_deformation(given, costs.deformation, inside, types)
     counts["deformations filled in"] = filled
     if not any(counts.values()):
@@ -164,7 +175,7 @@ def _fill_deformation(
         known = inside & ~missing
         total, number = np.zeros_like(vectors), np.zeros(inside.shape)
         for axis, h in ((1, BOTTOM), (2, LEFT)):
-            joined = types[:, h] == _NON_BOUNDARY
+            joined = np.isin(types[:, h], (_NON_BOUNDARY, _CREASE))
             for step in (1, -1):
                 source = np.roll(known, step, axis) & (
                     joined if step == 1 else np.roll(joined, -1, axis)

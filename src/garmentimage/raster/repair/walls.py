@@ -47,7 +47,7 @@ SHARED_TOL = 0.12
 
 _NON_BOUNDARY, _NON_STITCH = int(EdgeType.NON_BOUNDARY), int(EdgeType.NON_STITCH)
 _FRONT_TO_BACK, _SIDE_BY_SIDE = int(EdgeType.FRONT_TO_BACK), int(EdgeType.SIDE_BY_SIDE)
-_WRAP = int(EdgeType.WRAP)
+_WRAP, _CREASE = int(EdgeType.WRAP), int(EdgeType.CREASE)
 _BETWEEN_LAYERS = (_FRONT_TO_BACK, _WRAP)
 _CUTS = (_NON_STITCH, *_BETWEEN_LAYERS)
 
@@ -317,7 +317,10 @@ def remove_dangling_cuts(image: GarmentImage) -> tuple[GarmentImage, int]:
 
 def _has_tip(types: np.ndarray, wall: Wall) -> bool:
     """Whether nothing else that bounds cloth meets one end of a grid edge."""
-    meeting = ([w for w in _around(types, end) if types[w] > 0] for end in _ends(wall))
+    meeting = (
+        [w for w in _around(types, end) if types[w] not in (_NON_BOUNDARY, _CREASE)]
+        for end in _ends(wall)
+    )
     return any(len(walls) == 1 for walls in meeting)
 
 

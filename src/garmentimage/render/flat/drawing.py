@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from garmentimage.geometry import centroid
-from garmentimage.pattern import Pattern, Side, sewn_runs
+from garmentimage.pattern import Pattern, Side, fold_lines, sewn_runs
 from garmentimage.render.flat.arrangement import DrawnPanel, arrange, bounds
 from garmentimage.render.style import (
     FAINT,
@@ -70,6 +70,7 @@ def draw_pattern(pattern: Pattern, ax: "Axes", *, room: tuple[float, float] = (0
     _draw_cloth(placed, ax)
     _draw_edges(placed, seams, ax)
     _draw_sewn_on(pattern, placed, letter, ax)
+    _draw_folds(pattern, placed, ax)
     named = len(placed) <= MAX_NAMES
     for p in placed:
         if (ends := _grain_arrow(p, letter, named=named)) is not None:
@@ -183,6 +184,22 @@ def _draw_sewn_on(
         x, y = float(drawn_lines[:, 0].mean()), float(drawn_lines[:, 1].min())
         size = 0.8 * letter / _cm_per_point(ax)
         write(ax, x, y - letter / 4, printable(sewn.panel), color=SEWN_ON, fontsize=size, va="top")
+
+
+def _draw_folds(pattern: Pattern, placed: tuple[DrawnPanel, ...], ax: "Axes") -> None:
+    """The folds of pressed pleats: dashed where they are seen, dotted beneath."""
+    from matplotlib.collections import LineCollection
+
+    drawn = {each.panel.name: each for each in placed}
+    for is_seen, dashes in ((True, (0, (4, 2))), (False, (0, (1, 2)))):
+        lines = [
+            drawn[pleat.panel].place(np.array([fold.start, fold.end]))
+            for pleat in pattern.pleats
+            for fold in fold_lines(pattern, pleat)
+            if fold.is_seen == is_seen
+        ]
+        look = {"colors": INK, "linewidths": 0.7, "linestyles": dashes}
+        ax.add_collection(LineCollection(lines, zorder=2.5, **look))
 
 
 def _draw_numbers(

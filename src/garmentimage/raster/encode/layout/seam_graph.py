@@ -33,7 +33,7 @@ class Arc:
     layers: tuple[int, ...]
     """Layers that the arc lies on."""
     kind: EdgeType
-    """NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE, WRAP, SHEET or ONTO."""
+    """NON_STITCH, FRONT_TO_BACK, SIDE_BY_SIDE, WRAP, SHEET, ONTO or CREASE."""
     sides: tuple[tuple[int, int, bool], ...]
     """One or two (panel index, edge number, the edge runs against the arc); three round a pocket,
     whose kind is that of the pocket's side."""
@@ -84,8 +84,9 @@ def build_seam_graph(placed: Placed) -> SeamGraph:
     """
     placed = _open_rings(placed)
     corner = _merged_corners(placed)
-    cuts = {seam.a for seam in placed.seams if seam.is_cut}
-    arcs = [_arc(placed, corner, sides, is_cut=sides[0][0] in cuts) for sides in _sides(placed)]
+    goes_on = {seam.a: EdgeType.WRAP for seam in placed.seams if seam.is_cut}
+    goes_on |= {seam.a: EdgeType.CREASE for seam in placed.seams if seam.is_crease}
+    arcs = [_arc(placed, corner, sides, goes_on.get(sides[0][0])) for sides in _sides(placed)]
     arcs = _renumbered(sorted(arcs, key=lambda arc: _arc_key(placed, arc)))
     owner = {(p, e): (i, back) for i, arc in enumerate(arcs) for p, e, back in arc.sides}
     nodes = 1 + max(max(arc.a, arc.b) for arc in arcs)
@@ -170,10 +171,12 @@ def _arc(
     placed: Placed,
     corner: dict[Side, tuple[int, int]],
     sides: tuple[tuple[Side, bool], ...],
-    *,
-    is_cut: bool,
+    goes_on: EdgeType | None,
 ) -> Arc:
-    """The arc of one side or of two, its sides ordered and its direction chosen by place."""
+    """The arc of one side or of two, its sides ordered and its direction chosen by place.
+
+    `goes_on` is its type where the cloth goes on beyond it.
+    """
     panels = [placed.panels[i] for (i, _), _ in sides]
     curves = [p.curves[k] for p, ((_, k), _) in zip(panels, sides, strict=True)]
     order = sorted(range(len(sides)), key=lambda n: (sides[n][0][0], _height(curves[n])))
@@ -187,9 +190,9 @@ def _arc(
     elif len({layer // 2 for layer in layers}) == 2:
         sewn = EdgeType.SHEET
     elif len(layers) == 2:
-        sewn = EdgeType.WRAP if is_cut else EdgeType.FRONT_TO_BACK
+        sewn = goes_on or EdgeType.FRONT_TO_BACK
     else:
-        sewn = EdgeType.SIDE_BY_SIDE
+        sewn = goes_on or EdgeType.SIDE_BY_SIDE
     against_first = [back != sides[first][1] for _, back in sides]
     return Arc(
         a=b if leaning else a,

@@ -1,5 +1,8 @@
 """Unbending: a panel cut as a wide sector, as circle skirts are, rests as a narrower one.
 
+And pleats rest as darts: the two edges of a pleat lie in one line, which has no direction into the
+cloth along which they could be drawn once they are sewn.
+
 The front of a full-circle skirt is half a ring; laid flat its sides stand level with the waist or
 curl up beside it, over whatever is sewn above. On the body it hangs down. Before panels are drawn
 together, such a ring sector is bent about its centre to a narrower angle, its inner arc keeping
@@ -7,6 +10,7 @@ its length. Only the drawing is bent: the panel's own shape is what the image's 
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -68,7 +72,44 @@ class _Polar(NamedTuple):
 
 
 def unbent_curves(panel: PlacedPanel) -> tuple[Float[np.ndarray, "_ 2"], ...]:
-    """The panel's curves at rest in the drawing: as placed, or bent when it is a wide sector.
+    """The panel's curves at rest in the drawing: wide sectors narrower, pleats open."""
+    curves = list(_narrowed(panel))
+    for run in panel.pleats:
+        _open_pleat(curves, run, panel.sign)
+    return tuple(curves)
+
+
+def _open_pleat(curves: list[np.ndarray], run: tuple[int, ...], sign: int) -> None:
+    """Draw the edges of a pleat as the legs of a dart, its tip as deep as they are long."""
+    start, end = curves[run[0]][0], curves[run[-1]][-1]
+    across = (end - start) / 2
+    # Cloth lies to the left of a counter-clockwise loop.
+    inward = sign * np.array([-across[1], across[0]])
+    width = across @ across
+
+    def opened(points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
+        share = np.clip(1 - np.abs((points - start) @ across / width - 1), 0.0, 1.0)
+        return np.asarray(points + share[:, None] * inward)
+
+    tips = [k for k, other in pairwise(run) if _turns_back(curves, k, other)]
+    creases = {*tips, *(run[run.index(k) + 1] for k in tips)}
+    for k in run:
+        if k not in creases:
+            curves[k] = opened(curves[k])
+        else:
+            at = 0 if k in tips else -1
+            line = curves[k].copy()
+            line[at] = opened(line[at : at + 1 or None])[0]
+            curves[k] = line
+
+
+def _turns_back(curves: list[np.ndarray], k: int, following: int) -> bool:
+    """Whether an edge is walked back by the one that follows it, as the slit along a crease is."""
+    return np.array_equal(curves[k], curves[following][::-1])
+
+
+def _narrowed(panel: PlacedPanel) -> tuple[Float[np.ndarray, "_ 2"], ...]:
+    """The panel's curves as placed, or bent when it is a wide sector.
 
     In polar coordinates (r, a) round the centre of the inner arc, whose radius is R, a point moves
     to (r + R (1 / share - 1), share a) round a centre that is R (1 / share - 1) farther off: the
