@@ -23,7 +23,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c c
 WORKERS ?= 2
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
-.PHONY: demo test golden check check-kernels coverage docs dist lint corpus picture explore image text bench clean
+.PHONY: demo test golden check check-kernels coverage docs dist lint types-of-package types-of-scripts corpus picture explore image text bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/python scripts/demo.py out/demo
@@ -48,8 +48,14 @@ LOOSE := --allow-untyped-defs --allow-incomplete-defs --allow-untyped-calls --al
 lint: $(VENV)/ready-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+	$(MAKE) --jobs=2 --output-sync=target types-of-package types-of-scripts
+
+types-of-package: $(VENV)/ready-dev
 	$(BIN)/mypy src
-	$(BIN)/mypy $(LOOSE) scripts benchmarks
+
+# A cache of its own, which keeps apart what was checked with other options.
+types-of-scripts: $(VENV)/ready-dev
+	$(BIN)/mypy --cache-dir .mypy_cache/scripts $(LOOSE) scripts benchmarks
 
 # A cache of its own: numba does not ask how what it has there was compiled.
 KERNEL_TESTS := tests/test_kernels.py tests/raster/test_lattice.py tests/raster/test_decode_refit.py \

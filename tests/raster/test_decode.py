@@ -338,3 +338,11 @@ def test_an_image_that_falls_into_thousands_of_parts_is_refused_at_once():
     image = GarmentImage(inside, walls, deformation, BodyFrame.standard(64))
     with pytest.raises(DecodeError, match="8192 parts"):
         decode(image, repair="none")
+
+
+@pytest.mark.parametrize("deviation", [4.0, 8.0])
+def test_noise_in_many_small_parts_is_no_garment(deviation):
+    random = np.random.default_rng(3)
+    channels = encode(read_pattern(example_path("dress"))[0], 16).to_channels()
+    with pytest.raises(DecodeError, match=r"parts of \d\.\d cells each, as noise is"):
+        decode(channels + random.normal(0, deviation, channels.shape))

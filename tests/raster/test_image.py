@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from garmentimage.compare import compare_patterns
+from garmentimage.draft import draft_pattern
 from garmentimage.errors import ImageError
+from garmentimage.raster.decode import decode
+from garmentimage.raster.encode import encode
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType, GarmentImage
 from tests.images import images
@@ -111,3 +115,21 @@ def test_channels_may_come_layer_by_layer():
     assert GarmentImage.from_channels(layers).same_channels(image)
     with pytest.raises(ImageError, match=r"channels have shape \(2, 16, 16, 16\)"):
         GarmentImage.from_channels(layers[:, :16])
+
+
+@pytest.mark.parametrize("name", ["one-panel-dress", "hoodie", "blazer"])
+def test_arrays_of_all_garments_are_alike_with_two_sheets(name):
+    image = encode(draft_pattern(name), 16)
+    channels = image.to_channels(2, layers=4)
+    assert channels.shape == (104, 16, 16)
+    size = len(image.to_channels(2))
+    assert (channels[:size] == image.to_channels(2)).all()
+    assert GarmentImage.from_channels(channels).inside[image.layers :].sum() == 0
+    result = compare_patterns(decode(image.without_marks()), decode(channels), any_pose=True)
+    assert result.success, result.reasons
+
+
+def test_an_array_of_fewer_layers_than_the_image_is_refused():
+    image = encode(draft_pattern("blazer"), 16)
+    with pytest.raises(ImageError, match="an array of 2 does not hold it"):
+        image.to_channels(2, layers=2)

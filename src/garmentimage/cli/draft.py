@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Group, Parameter
 
 from garmentimage.cli.options import DEFAULT_BODY, Json, MeasuredBody, Out, OutFolder, Whole, within
-from garmentimage.cli.terminal import Progress, print_json, print_line, print_written
+from garmentimage.cli.terminal import (
+    Progress,
+    pattern_facts,
+    print_json,
+    print_line,
+    print_written,
+)
 from garmentimage.cli.usage import group_of_verbs
 from garmentimage.errors import DraftError, OutputError, quoted
 from garmentimage.metrics import plain_table
@@ -146,8 +152,7 @@ def _draft_command(kind: "Kind") -> Callable[..., None]:
         parameters = _pairs(param) | given
         pattern = draft_pattern(kind.name, measured_body(body), **parameters)
         save_pattern(pattern, out)
-        facts = {"panels": len(pattern.panels), "stitches": len(pattern.stitches)}
-        print_written(out, facts, as_json=json)
+        print_written(out, pattern_facts(pattern), as_json=json)
 
     group = Group(f"Parameters of {kind.name}", sort_key=1)
     options: dict[str, tuple[Any, Any]] = {

@@ -27,6 +27,7 @@ from garmentimage.cli.terminal import (
     error_facts,
     list_facts,
     one_line,
+    pattern_facts,
     print_findings,
     print_json,
     print_line,
@@ -81,7 +82,7 @@ def _facts(path: Path) -> tuple[dict[str, Any], "Sequence[Finding]"]:
     from garmentimage.pattern.files import read_pattern
 
     pattern, findings = read_pattern(path)
-    return _pattern_facts(pattern), findings
+    return pattern_facts(pattern), findings
 
 
 def show(
@@ -205,7 +206,7 @@ def decode(
         )
     if repaired:
         print_line(f"repaired: {shown_path(image)}: {list_facts(repaired)}")
-    facts = _pattern_facts(pattern)
+    facts = pattern_facts(pattern)
     print_written(out, facts, as_json=json, repaired=repaired, kind=report.kind)
 
 
@@ -312,10 +313,6 @@ def _holds_no_pattern(path: Path) -> bool:
 
 
 # --- Reports -------------------------------------------------------------------------------------
-
-
-def _pattern_facts(pattern: "Pattern") -> dict[str, Any]:
-    return {"panels": len(pattern.panels), "stitches": len(pattern.stitches)}
 
 
 def _image_facts(image: "GarmentImage") -> dict[str, Any]:

@@ -13,7 +13,7 @@ from garmentimage.system import shown_path
 
 if TYPE_CHECKING:
     from garmentimage.networks import StripFrame
-    from garmentimage.pattern import Finding
+    from garmentimage.pattern import Finding, Pattern
 
 
 PATIENCE = 10.0
@@ -42,6 +42,18 @@ class UsageError(Exception):
 def list_facts(facts: Mapping[str, Any]) -> str:
     """Facts as a few words."""
     return ", ".join(f"{name} {value}" for name, value in facts.items())
+
+
+def pattern_facts(pattern: "Pattern") -> dict[str, int]:
+    """How many panels, seams and stitches a pattern has.
+
+    A seam is stitches that follow each other on both sides. Images keep seams, not where these are
+    divided into stitches.
+    """
+    from garmentimage.pattern import sewn_runs
+
+    seams = len(sewn_runs(pattern)) // 2
+    return {"panels": len(pattern.panels), "seams": seams, "stitches": len(pattern.stitches)}
 
 
 def print_written(out: Path, facts: Mapping[str, Any], *, as_json: bool, **more: Any) -> None:

@@ -131,5 +131,6 @@ def _crossing(image: GarmentImage, cluster: Cluster) -> DecodeError:
     row, col = cluster.mesh.cells[0]
     return DecodeError(
         f"the panel at row {row}, column {col} of layer {image.layer_names[cluster.layer]!r} "
-        "crosses itself: the deformation or the edge types there make no outline"
+        "crosses itself: the deformation or the edge types there make no outline; where a network "
+        "made them, take another of its outputs"
     )

@@ -1,5 +1,6 @@
 """A GarmentImage as in the paper's figures: flags, edge types, deformed cells (Figure 2c)."""
 
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 LAYER_GAP = 0.09  # space between two layers, in grids
 TITLE_SHARE, LEGEND_SHARE, CAPTION_SHARE, EDGE_SHARE = 0.09, 0.19, 0.08, 0.02
 """Room above, for the legend below, for a caption below, and below without either, in grids."""
+ROW_SHARE = 0.07  # room for each further row of a legend, in grids of an image of two layers
 TYPES_HEIGHT = 1 + TITLE_SHARE + LEGEND_SHARE
 CELLS_HEIGHT = 1 + TITLE_SHARE + CAPTION_SHARE
 """Heights of the drawings of `draw_image` and `draw_cells`, in grids."""
@@ -49,9 +51,7 @@ def draw_image(image: GarmentImage, ax: "Axes", *, legend: bool = True) -> None:
         _draw_board(image, layer, ax)
         _draw_flags(image, layer, ax)
         _draw_types(image, layer, ax)
-    if legend:
-        _draw_legend(image, ax)
-    _frame(image, ax, below=LEGEND_SHARE if legend else EDGE_SHARE)
+    _frame(image, ax, below=_draw_legend(image, ax) if legend else EDGE_SHARE)
 
 
 def draw_cells(image: GarmentImage, ax: "Axes") -> None:
@@ -149,16 +149,22 @@ def _draw_types(image: GarmentImage, layer: int, ax: "Axes") -> None:
         )
 
 
-def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
+def _draw_legend(image: GarmentImage, ax: "Axes") -> float:
+    """Draw the legend in as many rows as it needs; the room for it, in grids."""
     width = float(_origin(image, image.layers - 1)[0]) + image.grid
-    y = -0.07 * image.grid
     always = (EdgeType.NON_STITCH, EdgeType.FRONT_TO_BACK, EdgeType.SIDE_BY_SIDE)
     shown = [k for k in TYPE_COLOURS if k in always or (image.edge_type == k).any()]
     entries = [*shown, None] if image.turned.any() else shown
     # The lettering is as large however many grids are beside each other.
-    step = (0.62 if len(entries) == 3 else 0.5) * max(image.layers / 2, 1)
+    scale = max(image.layers / 2, 1)
+    step = (0.62 if len(entries) == 3 else 0.5) * scale * image.grid
+    rows = ceil(len(entries) * step / width)
+    a_row = ceil(len(entries) / rows)
     for k, kind in enumerate(entries):
-        x = width / 2 + (k - (len(entries) - 1) / 2) * image.grid * step - step / 2 * image.grid
+        row, column = divmod(k, a_row)
+        in_row = min(a_row, len(entries) - row * a_row)
+        x = width / 2 + (column - (in_row - 1) / 2) * step - step / 2
+        y = -(0.07 + row * ROW_SHARE * scale) * image.grid
         length = 0.07 * image.grid
         if kind is None:
             half = 0.02 * image.grid
@@ -168,7 +174,9 @@ def _draw_legend(image: GarmentImage, ax: "Axes") -> None:
             ax.plot([x, x + length], [y, y], color=TYPE_COLOURS[kind], linewidth=2.3)
         name = "wrong side out" if kind is None else TYPE_NAMES[kind]
         write(ax, x + 0.1 * image.grid, y, name, color=INK, fontsize=6.5, ha="left")
-    _write_below(image, ax, 0.14, LEGEND_NOTE)
+    more = (rows - 1) * ROW_SHARE * scale
+    _write_below(image, ax, 0.14 + more, LEGEND_NOTE)
+    return LEGEND_SHARE + more
 
 
 def _write_below(image: GarmentImage, ax: "Axes", depth: float, text: str) -> None:
