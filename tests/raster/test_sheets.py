@@ -21,6 +21,7 @@ from garmentimage.compare.validation import structure_faults
 from garmentimage.draft import KINDS
 from garmentimage.raster import EdgeType, GarmentImage, mirrored_channels, with_contract
 from garmentimage.raster.repair import repair
+from tests.overlaps import overlapping
 from tests.raster.mirror import mirrored_pattern
 
 slowly = settings(max_examples=8)
@@ -30,19 +31,6 @@ def on_sheets(pattern, outer):
     """The pattern, the panels of these names on cloth layer 1."""
     panels = tuple(replace(p, cloth_layer=int(p.name in outer)) for p in pattern.panels)
     return replace(pattern, panels=panels)
-
-
-def overlapping(jacket, by=10.0):
-    """A drafted jacket whose fronts reach beyond the middle, the right one over the left."""
-    panels = []
-    for panel in jacket.panels:
-        shift = {"left_front": -by, "right_front": by}.get(panel.name)
-        if shift is not None:
-            moved = tuple((x + shift * (abs(x) < 1e-6), y) for x, y in panel.outline.vertices)
-            outline = replace(panel.outline, vertices=moved)
-            panel = replace(panel, outline=outline, cloth_layer=int(panel.name == "right_front"))
-        panels.append(panel)
-    return replace(jacket, panels=tuple(panels))
 
 
 @pytest.fixture(scope="module")

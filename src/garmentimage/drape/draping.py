@@ -15,6 +15,7 @@ from garmentimage.drape.layers import (
     LayerRole,
     belt,
     garment_layers,
+    held_at_seams,
     interfaced,
     pressed_fold,
     sewn_lines,
@@ -29,6 +30,7 @@ from garmentimage.drape.solver import (
 from garmentimage.drape.start import (
     fold_onto,
     lay_onto,
+    lie_over,
     place_on_body,
     pressed_pleats,
     start_points,
@@ -99,7 +101,8 @@ def drape_pattern(
     start = start_points(cloth, body, placements)
     holding = {side.panel for p in placements if p.is_supported for side in p.edges}
     folded = folded_panels(placed, frozenset(holding))
-    points, motions, field = start.copy(), [], body_field(body)
+    points, motions = start.copy(), []
+    before = field = body_field(body)
     items = garment_items(cloth, start, body, placements, tucked=tucked)
     rest = with_elastics(rest_of(cloth), items)
     band = max((float(i.level.mean()) for i in items if len(i.pinned)), default=None)
@@ -107,19 +110,26 @@ def drape_pattern(
     for layer in layers:
         part = rest.part(layer.vertices, layer.faces)
         part = replace(part, pressed=pressed_pleats(cloth, layer.vertices))
-        hold, material = belt(layer), fabric
+        hold, material, obstacle = belt(layer), fabric, field
         if layer.role is LayerRole.FOLDED:
             points = fold_onto(cloth, points, folded, field, fabric.thickness)
             hold, material = pressed_fold(cloth, layer, folded, points), interfaced(fabric)
         elif layer.role is LayerRole.SEWN_ON:
             points[layer.own] = lay_onto(cloth, points, field, fabric.thickness)[layer.own]
             hold = sewn_lines(cloth, layer, points)
+        elif layer.role is LayerRole.OVERLAPPING:
+            over = np.unique(cloth.face_panel[layer.faces])
+            hold = held_at_seams(layer, points)
+            lower = cloth.vertex_faces[layer.lies_on]
+            obstacle = before.with_cloth(points, lower, thickness=fabric.thickness)
+            started = lie_over(cloth, points, over, obstacle, fabric.thickness)
+            points[layer.own] = started[layer.own]
         elif tucked and band is not None and layer.item.placement.site is SupportSite.SHOULDERS:
             part = tuck_in(part, start[layer.vertices], body, band)
         motion = solve(
             part,
             points[layer.vertices],
-            field,
+            obstacle,
             material,
             attachment=hold,
             with_friction=np.flatnonzero(np.isin(layer.vertices, layer.item.over_shoulders)),
@@ -129,6 +139,7 @@ def drape_pattern(
         points[layer.own] = motion.points[np.isin(layer.vertices, layer.own)]
         motions.append(motion)
         if layer is not layers[-1]:
+            before = field if layer.role is LayerRole.PLAIN else before
             field = field.with_cloth(motion.points, part.faces, thickness=fabric.thickness)
     seconds = time.perf_counter() - began
     report = assess_drape(

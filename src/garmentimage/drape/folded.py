@@ -10,11 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool
+from shapely import Polygon
 
 from garmentimage.drape.cloth import Cloth
-from garmentimage.drape.world_panels import connected_garments
+from garmentimage.drape.world_panels import connected_garments, sewn_on_panels
 from garmentimage.errors import DrapeError, PatternError
-from garmentimage.pattern import Pattern, Side, Stitch, fold_seams, turned_panels
+from garmentimage.pattern import Panel, Pattern, Side, Stitch, fold_seams, turned_panels
+
+SAME_WAY = 0.5  # least cosine between the outer faces of panels of which one lies on the other
+LEAST_OVERLAP = 0.02  # share of a panel that lies on another one, at least
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,42 @@ def folded_panels(pattern: Pattern, holding: frozenset[str] = frozenset()) -> Fo
         folds = {**fold_seams(part, over), **fold_seams(part, own)}
         seams |= {name: sides for name, sides in folds.items() if sides[1].panel not in over}
     return FoldedPanels(frozenset(turned), frozenset(stands), seams)
+
+
+def overlapping_panels(pattern: Pattern, folded: FoldedPanels) -> Mapping[str, frozenset[str]]:
+    """For each panel that overlaps others, as a wrapped front does, the names of those beneath it.
+
+    It is on an outer cloth layer and sewn into the garment, and lies on panels of lower layers that
+    face the same way. Turned panels and what is sewn onto cloth are laid on it otherwise.
+    """
+    outer = {panel.name for panel in pattern.panels if panel.cloth_layer > 0}
+    if not outer:
+        return {}
+    laid = turned_panels(pattern) | folded.names | sewn_on_panels(pattern)
+    plain = [panel for panel in pattern.panels if panel.name not in laid]
+    found = {
+        panel.name: frozenset(
+            other.name
+            for other in plain
+            if other.cloth_layer < panel.cloth_layer and _lies_on(panel, other)
+        )
+        for panel in plain
+        if panel.name in outer
+    }
+    return {name: beneath for name, beneath in found.items() if beneath}
+
+
+def _lies_on(panel: Panel, other: Panel) -> bool:
+    """Whether a panel covers part of another one that faces the same way, seen from the front."""
+    towards = [p.matrix[:, 2] * np.sign(p.outline.area) for p in (panel, other)]
+    if towards[0] @ towards[1] < SAME_WAY:
+        return False
+    # Both in the plane of the first; seams may be drawn a little across each other.
+    own, beneath = (
+        Polygon(p.to_world(p.outline.polygon) @ panel.matrix[:, :2]).buffer(0)
+        for p in (panel, other)
+    )
+    return bool(own.intersection(beneath).area > LEAST_OVERLAP * own.area)
 
 
 def on_panels(cloth: Cloth, names: Set[str]) -> Bool[np.ndarray, " face"]:

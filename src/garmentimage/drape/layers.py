@@ -5,9 +5,12 @@ with what they lie on would fall through it, and into the neck opening. Hence th
 themselves: they begin folded onto the cloth at rest (`start.folding`) and are held along their
 seams. They are kept off what lies beneath, and do not press on it. So are pockets, and whatever
 else is sewn onto the cloth of a panel, held along the edges that are sewn on.
+
+A front that overlaps another carries its share of the garment, so it cannot be left out at first.
+It is simulated with all the rest, and then once more by itself, outside of what it overlaps.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -18,7 +21,7 @@ from scipy.spatial import cKDTree
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.components import GarmentItem
 from garmentimage.drape.fabric import Fabric
-from garmentimage.drape.folded import FoldedPanels, on_panels
+from garmentimage.drape.folded import FoldedPanels, on_panels, overlapping_panels
 from garmentimage.drape.solver import Attachment
 from garmentimage.drape.start import ROLL, from_seams
 from garmentimage.drape.world_panels import sewn_on_panels
@@ -37,6 +40,7 @@ class LayerRole(Enum):
     """What a layer is, which says where it begins and what holds it."""
 
     PLAIN = "plain"
+    OVERLAPPING = "overlapping"
     FOLDED = "folded over"
     SEWN_ON = "sewn on"
 
@@ -50,6 +54,8 @@ class GarmentLayer:
     vertices: Int[np.ndarray, " n"]  # their vertices, in rising order
     own: Int[np.ndarray, " m"]  # those that it moves: all but the ones stitched to cloth beneath
     role: LayerRole
+    lies_on: Bool[np.ndarray, " face"] | None = None
+    """The triangles of the same item that it overlaps; None: it is put on over all before it."""
 
 
 def garment_layers(
@@ -58,10 +64,12 @@ def garment_layers(
     """All cloth in the order in which it is put on: first an item's own, then what is over it."""
     layers = []
     is_over = on_panels(cloth, folded.names)
+    overlaps = overlapping_panels(cloth.pattern, folded)
     for item in items:
         faces = np.isin(cloth.vertex_faces[:, 0], item.vertices)
         beneath = np.unique(cloth.vertex_faces[faces & ~is_over])
         layers.append(GarmentLayer(item, faces & ~is_over, beneath, beneath, LayerRole.PLAIN))
+        layers += _overlapping(cloth, item, faces & ~is_over, overlaps)
         if (over := faces & is_over).any():
             vertices = np.unique(cloth.vertex_faces[over])
             own = np.setdiff1d(vertices, beneath)
@@ -71,6 +79,41 @@ def garment_layers(
             vertices = np.unique(cloth.vertex_faces[sewn_on])
             layers.append(GarmentLayer(item, sewn_on, vertices, vertices, LayerRole.SEWN_ON))
     return layers
+
+
+def _overlapping(
+    cloth: Cloth,
+    item: GarmentItem,
+    faces: Bool[np.ndarray, " face"],
+    overlaps: Mapping[str, frozenset[str]],
+) -> list[GarmentLayer]:
+    """Of the triangles of an item those that overlap others, the lowest cloth layer first."""
+    layers = []
+    sheets = {name: cloth.pattern.by_name[name].cloth_layer for name in overlaps}
+    for sheet in sorted(set(sheets.values())):
+        names = frozenset(name for name in sheets if sheets[name] == sheet)
+        over = faces & on_panels(cloth, names)
+        if not over.any():
+            continue
+        vertices = np.unique(cloth.vertex_faces[over])
+        own = np.setdiff1d(vertices, cloth.vertex_faces[faces & ~over])
+        lies_on = on_panels(cloth, frozenset().union(*(overlaps[name] for name in names)))
+        role = LayerRole.OVERLAPPING
+        layers.append(GarmentLayer(item, over, vertices, own, role, faces & lies_on))
+    return layers
+
+
+def held_at_seams(layer: GarmentLayer, start: Float[np.ndarray, "vertex 3"]) -> Attachment:
+    """Holds what overlaps along its seams to cloth beneath, and a pinned edge at its height.
+
+    `start` as below.
+    """
+    pinned = np.isin(layer.vertices, layer.item.pinned)
+    sewn = ~np.isin(layer.vertices, layer.own)
+    stiffness = np.where(sewn, np.inf, 0.0)[:, None].repeat(3, axis=1)
+    stiffness[pinned, 1] = np.inf
+    held = np.flatnonzero(pinned | sewn)
+    return Attachment(held, start[layer.vertices[held]], stiffness[held])
 
 
 def belt(layer: GarmentLayer) -> Attachment | None:

@@ -3,6 +3,7 @@ from .folding import (
     fold_onto as fold_onto,
     from_seams as from_seams,
     lay_onto as lay_onto,
+    lie_over as lie_over,
 )
 from .placement import (
     EASE as EASE,

@@ -66,6 +66,25 @@ def lay_onto(
     return _lifted(cloth.sewn(corners), cloth.sewn(outward), field, gap)
 
 
+def lie_over(
+    cloth: Cloth,
+    points: Float[np.ndarray, "vertex 3"],
+    panels: Int[np.ndarray, " k"],
+    field: DistanceField,
+    gap: float,
+) -> Float[np.ndarray, "vertex 3"]:
+    """Where the vertices of overlapping panels begin, all cloth being at `points` [cm].
+
+    Each is moved along the panel's own outward direction until it lies at least `gap` [cm] outside
+    of `field`, which wears the cloth beneath. Vertices of other panels begin at `points`, too.
+    """
+    corners, outward = points[cloth.vertex], np.zeros((len(cloth.vertex), 3))
+    for k in panels.tolist():
+        own = np.flatnonzero(cloth.panel == k)
+        _, outward[own] = _carried(cloth, points, own, cloth.flat[own])
+    return _lifted(cloth.sewn(corners), cloth.sewn(outward), field, gap)
+
+
 def from_seams(
     cloth: Cloth, name: str, others: frozenset[str], flat: Float[np.ndarray, "n 2"]
 ) -> Float[np.ndarray, " n"]:

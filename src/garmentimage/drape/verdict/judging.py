@@ -14,7 +14,7 @@ from garmentimage.drape.mesh import Rest, peak_strain, strain
 from garmentimage.drape.solver import Motion, body_field
 from garmentimage.drape.start import EASE, ELASTIC, TIGHT, Placement, on_hips
 from garmentimage.drape.support import SupportSite
-from garmentimage.drape.verdict.folds import fold_faults
+from garmentimage.drape.verdict.folds import fold_faults, overlap_faults
 from garmentimage.drape.verdict.intersections import crossing_count
 from garmentimage.drape.verdict.openings import BONES, bones, is_beyond, openings, turns
 from garmentimage.drape.verdict.skin import deepest
@@ -85,6 +85,7 @@ def assess_drape(  # noqa: PLR0913 - all parts of a drape are judged at once
             *faults,
             *_limb_faults(rest.faces, start, points, body),
             *fold_faults(cloth, points, folded, body),
+            *overlap_faults(cloth, points, folded),
         ),
         notes=_notes(items, body),
         seconds=seconds,
