@@ -11,7 +11,7 @@ from garmentimage.draft.kind import draft_pattern
 from garmentimage.geometry.curves import Line
 from garmentimage.pattern.model import Panel, Pattern, loop_from_curves
 from garmentimage.raster.encode.deform import deform_quad_mesh
-from garmentimage.raster.encode.lattice.attempts import lattice_paths
+from garmentimage.raster.encode.lattice.attempts import ATTEMPTS, lattice_paths
 from garmentimage.raster.encode.lattice.canonical import canonical
 from garmentimage.raster.encode.lattice.compact import compact
 from garmentimage.raster.encode.lattice.drawing import drawing_of, joined_links, with_links
@@ -56,7 +56,7 @@ def assert_disjoint(drawing, paths):
 def compacted(drawing, drawn):
     for _ in range(3):
         for along in (0, 1):
-            drawn = compact(drawing, drawn, along) or compact(drawing, drawn, along, bounded=False)
+            drawn = compact(drawing, drawn, along) or compact(drawing, drawn, along, first=None)
     return drawn
 
 
@@ -108,7 +108,7 @@ def test_panels_far_off_the_body_are_refused_by_their_spread():
     frame = square_frame(16, 10.0, left=-80.0, bottom=0.0)
     drawing = drawing_of(first_layout(Pattern((near, far))), frame)
     with pytest.raises(EncodeError, match="units"):
-        lattice_paths(drawing, FINE, 5.0)
+        lattice_paths(drawing, ATTEMPTS[0])
 
 
 @pytest.mark.parametrize("arc", range(6))
@@ -142,7 +142,7 @@ def test_a_symmetric_garment_is_drawn_as_a_half_and_unfolds_to_a_symmetric_whole
     assert mirror is not None
     half = right_half(drawing_of(layout, BodyFrame.standard(16)), mirror)
     assert half is not None
-    paths = joined_links(half.drawing, lattice_paths(half.drawing, FINE, 5.0))
+    paths = joined_links(half.drawing, lattice_paths(half.drawing, ATTEMPTS[0]))
     whole = half.unfold(paths)
     points = {tuple(v) for path in whole for v in path.tolist()}
     assert points == {(16 - x, y) for x, y in points}
@@ -159,7 +159,7 @@ def test_canonical_numbering_forgets_order_and_direction():
     )
     order = np.arange(len(drawing.arcs))[::-1]
     shuffled = replace(drawing, arcs=drawing.arcs.take(order).with_reversed([True] * len(order)))
-    a, b = lattice_paths(drawing, FINE, 5.0), lattice_paths(shuffled, FINE, 5.0)
+    a, b = lattice_paths(drawing, ATTEMPTS[0]), lattice_paths(shuffled, ATTEMPTS[0])
     for i, path in zip(order, b, strict=True):
         assert np.array_equal(a[i], path[::-1])
 

@@ -5,7 +5,6 @@ the lattice of the image. Each step keeps the drawing valid.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
 from typing import NamedTuple
 
 from garmentimage.errors import EncodeError, quoted
@@ -24,7 +23,7 @@ from garmentimage.raster.encode.lattice.drawing import (
 from garmentimage.raster.encode.lattice.polish import polish
 from garmentimage.raster.encode.lattice.route import route
 from garmentimage.raster.encode.lattice.symmetry import find_mirror, right_half
-from garmentimage.raster.encode.layout import Layout, SeamGraph
+from garmentimage.raster.encode.layout import LAST_RESORT, Layout, SeamGraph
 from garmentimage.raster.frame import BodyFrame
 from garmentimage.raster.image import EdgeType
 
@@ -41,6 +40,8 @@ class Attempt(NamedTuple):
     """How far paths may leave their targets [fine steps]."""
     in_order: bool
     """Arcs leave their nodes in the order that their targets have."""
+    lowest: int = 1
+    """Lowest grid line that may be used. Line 0 is kept for what does not fit otherwise."""
 
 
 ATTEMPTS = (Attempt(1.0, 5.0, True), Attempt(1.5, 9.0, True), Attempt(2.0, 16.0, True))
@@ -49,6 +50,8 @@ LAST_ATTEMPTS = (Attempt(1.5, 9.0, False),)
 """Tried when all layouts have failed ..."""
 LAST_LAYOUTS = 3
 """... on so many of them."""
+LOWEST_ATTEMPTS = ATTEMPTS[0]._replace(lowest=0), ATTEMPTS[2]._replace(lowest=0)
+"""Tried at last on all."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
 SLIT_CM = 1.0
@@ -57,10 +60,18 @@ SLIT_CM = 1.0
 
 def trials(layouts: Iterable[Layout]) -> Iterator[tuple[Layout, tuple[Attempt, ...]]]:
     """Layouts with the attempts to draw each, most promising first."""
-    for number, layout in enumerate(layouts):
+    usual = (layout for layout in layouts if layout.stage != LAST_RESORT)
+    for number, layout in enumerate(usual):
         yield layout, ATTEMPTS if number == 0 else ATTEMPTS[:2]
-    for layout in islice(layouts, LAST_LAYOUTS):
+    drawn = list(layouts)
+    first = [layout for layout in drawn if layout.stage != LAST_RESORT][:LAST_LAYOUTS]
+    for layout in first:
         yield layout, LAST_ATTEMPTS
+    for layout in drawn:
+        if layout.stage == LAST_RESORT:
+            yield layout, ATTEMPTS[:2]
+    for layout in drawn:
+        yield layout, LOWEST_ATTEMPTS
 
 
 def drawings(
@@ -74,11 +85,10 @@ def drawings(
     mirror = find_mirror(layout) if frame.is_symmetric else None
     half = right_half(whole, mirror) if mirror is not None else None
     for part in (half, None) if half is not None else (None,):
-        for fineness, corridor, in_order in attempts:
-            fine = max(int(FINE_CELLS * fineness) // frame.grid, 2)
+        for attempt in attempts:
             try:
                 drawing = whole if part is None else part.drawing
-                paths = joined_links(drawing, lattice_paths(drawing, fine, corridor, in_order))
+                paths = joined_links(drawing, lattice_paths(drawing, attempt))
                 yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
                 crossing = _crossing(layout) if error.remedy == "grid" else ""
@@ -124,7 +134,7 @@ def _slit(graph: SeamGraph) -> str:
     )
 
 
-def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> list[Path]:
+def lattice_paths(drawing: Drawing, attempt: Attempt = ATTEMPTS[0]) -> list[Path]:
     """Paths of the arcs on the image's lattice, grid lines 1 to N - 1, disjoint inside a layer.
 
     Raises:
@@ -132,22 +142,27 @@ def lattice_paths(drawing: Drawing, fine: int, radius: float, in_order: bool = T
     """
     seen = canonical(drawing)
     plain = with_links(seen.drawing)
-    drawn = route(plain, fine, radius, in_order)
+    fine = max(int(FINE_CELLS * attempt.fineness) // drawing.grid, 2)
+    drawn = route(plain, fine, attempt.corridor, attempt.in_order)
     for limit in MAX_REQUIRED_EDGES:
         linked = with_required_edges(plain, limit)
-        coarse = _compacted(linked, drawn)
+        coarse = _compacted(linked, drawn, attempt.lowest)
         if coarse is not None:
-            return seen.restore(joined_links(linked, polish(linked, coarse)))
+            # Polishing knows the lines from 1 on.
+            if min(path.min() for path in coarse) >= 1:
+                coarse = polish(linked, coarse)
+            return seen.restore(joined_links(linked, coarse))
     raise EncodeError(f"its panels do not all fit on a grid of {drawing.grid}")
 
 
-def _compacted(drawing: Drawing, drawn: DrawnPaths) -> list[Path] | None:
+def _compacted(drawing: Drawing, drawn: DrawnPaths, lowest: int) -> list[Path] | None:
     """The fine paths on the image's lattice, or None when there is no room."""
     for turn in range(PASSES):
         for along in (0, 1):
-            moved = compact(drawing, drawn, along)
+            first = lowest if along == 1 else 1
+            moved = compact(drawing, drawn, along, first=first)
             if moved is None and turn < PASSES - 1:
-                moved = compact(drawing, drawn, along, bounded=False)
+                moved = compact(drawing, drawn, along, first=None)
             if moved is None:
                 return None
             drawn = moved

@@ -58,7 +58,7 @@ class _Axis(NamedTuple):
 
 
 def compact(
-    drawing: Drawing, drawn: DrawnPaths, along: int, *, bounded: bool = True
+    drawing: Drawing, drawn: DrawnPaths, along: int, *, first: int | None = 1
 ) -> DrawnPaths | None:
     """New integer coordinates along one axis for every vertex of every path.
 
@@ -66,7 +66,8 @@ def compact(
         drawing: the graph.
         drawn: vertex-disjoint lattice paths (fine or coarse along either axis), and their targets.
         along: 0 to move x, 1 to move y.
-        bounded: whether coordinates must be those of grid lines 1 to N - 1.
+        first: the first grid line that may be used, the last is N - 1; None where coordinates may
+            lie anywhere.
 
     Returns:
         Paths and targets after the move, each path of two vertices or more; None when there is no
@@ -82,7 +83,7 @@ def compact(
     required, desired, stiffness = _chords(axis)
     springs = np.concatenate([np.zeros(len(order) + len(required)), stiffness])
     rows = np.concatenate([order, required, desired])
-    new = _solve(axis, rows, springs, *_targets(axis, wanted[:, along]), bounded)
+    new = _solve(axis, rows, springs, *_targets(axis, wanted[:, along]), first)
     if new is None:
         return None
     stretched, targets, owner = _stretched(axis, flat, new[axis.variable], wanted)
@@ -117,7 +118,7 @@ def _solve(
     springs: Float[np.ndarray, " row"],
     target: Float[np.ndarray, " variable"],
     weight: Float[np.ndarray, " variable"],
-    bounded: bool,
+    first: int | None,
 ) -> Int[np.ndarray, " variable"] | None:
     """Solve the quadratic program of the file's head in integers; None when there is no room.
 
@@ -131,7 +132,7 @@ def _solve(
     ahead, back = (np.argsort(by, kind="stable") for by in (place[u], -place[v]))
     up, down = (rows[order][springs[order] == 0] for order in (ahead, back))
     # Tight limits first: without room there is nothing to solve.
-    floor, roof = _limits(axis, len(target), bounded)
+    floor, roof = _limits(axis, len(target), first)
     low, high = pushed_up(floor, up), pushed_down(roof, down)
     if (low > high).any():
         return None
@@ -145,11 +146,11 @@ def _solve(
 
 
 def _limits(
-    axis: _Axis, count: int, bounded: bool
+    axis: _Axis, count: int, first: int | None
 ) -> tuple[Float[np.ndarray, " variable"], Float[np.ndarray, " variable"]]:
     """Lower and upper limit of each variable: those of the grid, and of the mirror axis."""
     nodes, arcs, column = axis.drawing.nodes, axis.drawing.arcs, axis.drawing.axis
-    low, high = (1, axis.drawing.grid - 1) if bounded else (-UNBOUNDED, UNBOUNDED)
+    low, high = (-UNBOUNDED, UNBOUNDED) if first is None else (first, axis.drawing.grid - 1)
     floor, roof = np.full(count, float(low)), np.full(count, float(high))
     if column is not None and axis.along == 0:
         # What is not on the axis lies right of it; what is on it cannot move.

@@ -11,6 +11,7 @@ from .seam_graph import (
     build_seam_graph as build_seam_graph,
 )
 from .solve import (
+    LAST_RESORT as LAST_RESORT,
     Layout as Layout,
     layouts as layouts,
 )

@@ -35,7 +35,7 @@ from garmentimage.raster.encode.layout.samples import (
 )
 from garmentimage.raster.encode.layout.seam_graph import SeamGraph
 from garmentimage.raster.encode.layout.unbend import unbent_curves
-from garmentimage.raster.encode.placement import FRONT
+from garmentimage.raster.encode.placement import FRONT, PlacedSeam
 
 if TYPE_CHECKING:
     import shapely
@@ -44,6 +44,8 @@ GAP = 3.0
 """Width of a fully opened gap [cm]."""
 FIRST = "rigid"
 """The step that nearly every garment is clean at."""
+LAST_RESORT = "neighbours as membranes"
+"""The step whose layout is drawn when those of all others cannot be."""
 WIDE_GAPS = (("tangent", 9.0), ("chord", 9.0), ("tangent", 15.0))
 
 MAX_ARCS = 400
@@ -146,6 +148,16 @@ def _cascade(graph: SeamGraph, at_fault: set[int]) -> Iterator[_Step]:
     for stage, soft in (("front", front), ("split", split), ("faulty", at_fault)):
         if soft & at_fault:
             yield _Step(f"{stage} membranes", membranes=frozenset(soft))
+    # Those beside them give way, too.
+    near = {
+        i for seam in graph.placed.seams for i, _ in (seam.a, seam.b) if _touches(seam, at_fault)
+    }
+    if near - at_fault:
+        yield _Step(LAST_RESORT, membranes=frozenset(near | at_fault))
+
+
+def _touches(seam: PlacedSeam, panels: set[int]) -> bool:
+    return bool({seam.a[0], seam.b[0]} & panels)
 
 
 class _LayoutSolver:
