@@ -52,8 +52,8 @@ def to_authors(image: GarmentImage) -> Float64[np.ndarray, "34 x y"]:
         )
     if image.contract != 1:
         raise ImageError(
-            "the authors' .npy has no place for panels that wrap round or are turned; save it as "
-            ".npz"
+            "the authors' .npy has no place for panels that wrap round or are turned, nor for "
+            "pressed pleats; save it as .npz"
         )
     moved = image.deformation.astype(np.float64) / AUTHORS_CELL_CM - _REST[:, :, None, None]
     moved = np.where(image.inside[:, None, None], moved, 0.0)[:, _VECTORS]

@@ -28,9 +28,9 @@ class Pressed:
     """Its place there as shares of their places."""
     heights: Float[np.ndarray, " tie"]
     """How far outward of the triangle; negative beneath it [cm]."""
-    stiffness: float
-    max_force: float
-    """Of every tie [dyn/cm], and the force at which it gives way [dyn]."""
+    stiffness: Float[np.ndarray, " tie"]
+    give: float
+    """Of each tie [dyn/cm], and how far from its place it pulls with all its force [cm]."""
     raised: Float[np.ndarray, " vertex"]
     """How far every vertex is kept off the body for cloth that lies beneath it [cm]."""
 
@@ -38,13 +38,15 @@ class Pressed:
     def nothing(cls, count: int) -> "Pressed":
         """Nothing, of cloth with so many vertices."""
         none = np.zeros((0, 3))
-        return cls(np.zeros(0, int), none.astype(int), none, np.zeros(0), 0.0, 0.0, np.zeros(count))
+        empty = np.zeros(0)
+        return cls(empty.astype(int), none.astype(int), none, empty, empty, 0.0, np.zeros(count))
 
     def pull(self) -> Float[np.ndarray, " vertex"]:
         """The sum of stiffnesses that meet in each vertex [dyn/cm]."""
         ends = np.concatenate([self.vertices, self.triangles.ravel()])
         shares = np.concatenate([np.ones(len(self.vertices)), self.shares.ravel()])
-        return self.stiffness * np.bincount(ends, shares, minlength=len(self.raised))
+        shares *= np.concatenate([self.stiffness, np.repeat(self.stiffness, 3)])
+        return np.bincount(ends, shares, minlength=len(self.raised)).astype(float)
 
 
 @dataclass(frozen=True, eq=False)

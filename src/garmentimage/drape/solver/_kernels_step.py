@@ -74,8 +74,8 @@ class Ties(NamedTuple):
     triangles: Int[np.ndarray, "tie 3"]  # vertices of the triangle that each is tied to
     shares: Float[np.ndarray, "tie 3"]  # the place on it, as shares of theirs
     heights: Float[np.ndarray, " tie"]  # how far outward of it [cm]
-    stiffness: float  # of all [dyn/cm]
-    max_force: float  # greatest pull [dyn]
+    stiffness: Float[np.ndarray, " tie"]  # [dyn/cm]
+    give: float  # distance from its place at which a tie pulls with all its force [cm]
 
 
 class Bending(NamedTuple):
@@ -261,7 +261,7 @@ def _stretch(points, springs, force):
 
 @njit(cache=True)
 def _tie(points, ties, force):
-    """Add the forces of ties: k (q - x) up to `max_force`, and the opposite on the triangle.
+    """Add the forces of ties: k (q - x), of a length of `give` at most, and the opposite.
 
     The place q is that on the triangle, moved outward by the height of the tie.
     """
@@ -279,7 +279,7 @@ def _tie(points, ties, force):
             y += share * points[j, 1]
             z += share * points[j, 2]
         away = np.sqrt(x * x + y * y + z * z) + MIN_LENGTH
-        pull = min(ties.stiffness, ties.max_force / away)
+        pull = ties.stiffness[n] * min(1.0, ties.give / away)
         x, y, z = pull * x, pull * y, pull * z
         _add(force, i, x, y, z)
         for k in range(3):

@@ -227,6 +227,6 @@ def _ties(pressed: Pressed) -> kernels.Ties:
         np.ascontiguousarray(pressed.triangles, dtype=np.int64),
         np.ascontiguousarray(pressed.shares, dtype=float),
         np.ascontiguousarray(pressed.heights, dtype=float),
-        float(pressed.stiffness),
-        float(pressed.max_force),
+        np.ascontiguousarray(pressed.stiffness, dtype=float),
+        float(pressed.give),
     )

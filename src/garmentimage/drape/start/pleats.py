@@ -15,9 +15,10 @@ from garmentimage.drape.mesh import Pressed
 from garmentimage.pattern import Pattern, Pleat
 
 START_GAP = 0.3  # strips that lie on each other begin so far apart [cm] ...
-PRESSED_STIFFNESS, PRESSED_FORCE = 3e3, 1e3
-"""Of the ties [dyn/cm], and the force at which they give way [dyn]: pleats are pressed, not sewn,
-and open where cloth is tight."""
+PRESSED_STIFFNESS, GIVE = 3e3, 0.33
+"""Of the ties [dyn/cm], and how far from its place a tie pulls with all its force [cm], 10 mN:
+pleats are pressed, not sewn, and open where cloth is tight."""
+FADE = 8.0  # ties weaken over so many cm, or half the length, to where pressing ends
 PRESSED_GAP = 0.3  # ... and are so far apart where they are pressed [cm]
 TAPER = 4.0  # cloth beside a pleat rises over the strips beneath within so many cm
 WITHIN = 1e-6  # share of a triangle by which a place may lie outside of it
@@ -101,28 +102,30 @@ def pressed_pleats(cloth: Cloth, vertices: Int[np.ndarray, " n"]) -> Pressed | N
         None where nothing is pressed.
     """
     number = {panel.name: k for k, panel in enumerate(cloth.pattern.panels)}
-    tied: dict[int, tuple[list[int], list[float], float]] = {}
+    tied: dict[int, tuple[list[int], list[float], float, float]] = {}
     for pleat in cloth.pattern.pleats:
         tied |= _lying(cloth, number[pleat.panel], _PleatFrame.of(cloth.pattern, pleat))
     own = {v: tie for v, tie in tied.items() if np.isin([v, *tie[0]], vertices).all()}
     if not own:
         return None
-    triangles, shares, levels = (list(each) for each in zip(*own.values(), strict=True))
+    triangles, shares, levels, strength = (list(each) for each in zip(*own.values(), strict=True))
     return Pressed(
         np.searchsorted(vertices, list(own)),
         np.searchsorted(vertices, triangles),
         np.array(shares),
         PRESSED_GAP * np.array(levels),
-        PRESSED_STIFFNESS,
-        PRESSED_FORCE,
+        PRESSED_STIFFNESS * np.array(strength),
+        GIVE,
         PRESSED_GAP * _raised(cloth)[vertices],
     )
 
 
 def _lying(
     cloth: Cloth, panel: int, frame: _PleatFrame
-) -> dict[int, tuple[list[int], list[float], float]]:
-    """For the vertices of a pleat the triangle that each lies on, its shares, and its level."""
+) -> dict[int, tuple[list[int], list[float], float, float]]:
+    """For the vertices of a pleat the triangle that each lies on, its shares, its level, and how
+    strongly it is held there.
+    """
     own = np.flatnonzero(cloth.panel == panel)
     s, v = frame.places(cloth.flat[own]).T
     strip = (s > EDGE) & (s < frame.width - EDGE) & (v <= frame.pleat.pressed + EDGE)
@@ -134,10 +137,12 @@ def _lying(
     faces = cloth.faces[cloth.face_panel == panel]
     corners, shares = _triangles_at(cloth.flat, faces, points)
     on = shares.min(axis=1) >= -WITHIN
-    found = zip(own[strip][on].tolist(), corners[on], shares[on], level[on].tolist(), strict=True)
+    left = frame.pleat.pressed - v[strip]
+    strength = np.clip(left / min(FADE, frame.pleat.pressed / 2), 0.0, 1.0)
+    columns = corners[on], shares[on], level[on].tolist(), strength[on].tolist()
     return {
-        int(cloth.vertex[corner]): (cloth.vertex[triangle].tolist(), share.tolist(), height)
-        for corner, triangle, share, height in found
+        int(cloth.vertex[corner]): (cloth.vertex[triangle].tolist(), share.tolist(), *rest)
+        for corner, triangle, share, *rest in zip(own[strip][on].tolist(), *columns, strict=True)
     }
 
 
