@@ -176,16 +176,6 @@ def test_a_ring_comes_back_or_is_refused(degrees, sewn):
     assert compare_patterns(garment, decode(image.without_marks()), any_pose=True).success
 
 
-def test_a_tube_of_one_panel_is_told_to_be_cut():
-    tube = rectangle("tube", 90.0, 60.0, (0.0, 40.0, 15.0))
-    pattern = Pattern((tube,), (Stitch(Side("tube", 1), Side("tube", 3)),))
-    with pytest.raises(
-        EncodeError, match=r"panel 'tube' is sewn to itself .* front and a back"
-    ) as told:
-        encode(pattern)
-    assert "grid of" not in str(told.value) and told.value.remedy == "pattern"
-
-
 def test_what_no_grid_can_mend_is_not_tried_on_others(monkeypatch):
     """A bag: a panel whose outline is all sewn to itself."""
     bag = rectangle("bag", 40.0, 60.0, (0.0, 40.0, 15.0))

@@ -40,7 +40,7 @@ from garmentimage.drape.support import SupportSite
 from garmentimage.drape.verdict import assess_drape
 from garmentimage.drape.world_panels import connected_garments
 from garmentimage.errors import DrapeError, check_type, quoted
-from garmentimage.pattern import Pattern, without_stubs
+from garmentimage.pattern import Pattern, tube_sides, without_stubs
 from garmentimage.pattern.checks import off_centre, unknown_place
 
 ONE_PLANE = 1.0  # panels whose depths differ by less [cm] all lie on one side of the body
@@ -187,16 +187,12 @@ def _check_surrounding(pattern: Pattern) -> None:
         points = np.concatenate([p.to_world(p.outline.polygon) for p in part.panels])
         if np.ptp(points[:, 2]) >= ONE_PLANE:
             continue
-        own = [s for s in part.stitches if s.a.panel == s.b.panel]
-        if len(part.panels) == 1 and own:
-            raise DrapeError(
-                f"{name}: panel {first} is sewn to itself round the body (edges {own[0].a.edge} "
-                f"and {own[0].b.edge}), but a panel is put on one side of it; cut it into a front "
-                "and a back"
-            )
+        if all(tube_sides(part, panel) for panel in part.panels):
+            continue
         raise DrapeError(
             f"{name}: the panels of the garment of panel {first} all lie in one plane, so the body "
-            "cannot be between them; place them round the body: fronts before it (z about 20 cm), "
+            "cannot be between them; sew one that should go round the body by itself to itself, or "
+            "place them round the body: fronts before it (z about 20 cm), "
             "backs behind it (z about -20 cm, turned by 180 degrees about y)"
         )
 

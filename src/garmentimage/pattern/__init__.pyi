@@ -49,6 +49,10 @@ from .seam_runs import (
     side_loops as side_loops,
     stubs as stubs,
 )
+from .tubes import (
+    TUBE_SHARE as TUBE_SHARE,
+    tube_sides as tube_sides,
+)
 from .turned import (
     LaidOpen as LaidOpen,
     fold_over as fold_over,

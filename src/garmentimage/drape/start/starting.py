@@ -4,7 +4,8 @@ Patterns are drawn for bodies that hold their arms and legs otherwise than ours:
 or 45 degrees down, legs 20 degrees apart or together. A limb that begins outside of its sleeve or
 trouser leg would remain outside. So before the panels are sewn, sleeves are laid along the arms
 (`sleeves`), collars round the neck (`collars`), wide skirts hung (`skirts`), and trousers laid
-along the legs (`legs`). At rest the cloth is as long as the flat panels all the same.
+along the legs (`legs`). What is sewn to itself all round is laid round the body (`tubes`). At rest
+the cloth is as long as the flat panels all the same.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from garmentimage.drape.start.placement import Placement
 from garmentimage.drape.start.pleats import folded_flat
 from garmentimage.drape.start.skirts import hang_skirts
 from garmentimage.drape.start.sleeves import lay_sleeve
+from garmentimage.drape.start.tubes import roll_tubes
 
 
 def start_points(
@@ -35,6 +37,7 @@ def start_points(
             out = panel.matrix[:, 2] * np.sign(panel.outline.area)
             corners[own] += outward[own][:, None] * out
     landmarks = body.landmarks
+    roll_tubes(cloth, corners, float(body.vertices[:, 2].mean()))
     if {"left_shoulder_joint", "left_wrist_joint", "waist_front"} <= landmarks.keys():
         for side in (1, -1):
             lay_sleeve(cloth, corners, landmarks, side)

@@ -24,6 +24,7 @@ from garmentimage.geometry import centroid
 from garmentimage.pattern.checks.symmetry import off_centre
 from garmentimage.pattern.finding import Finding, some
 from garmentimage.pattern.model import Panel, Pattern
+from garmentimage.pattern.tubes import tube_sides
 
 UNKNOWN_PLACE = ("unplaced", "flat-layout", "z-up", "radians", "too-small", "too-large")
 """Codes of findings with which nobody can say where on a body the garment belongs."""
@@ -143,6 +144,8 @@ def _flat_finding(pattern: Pattern) -> Finding | None:
     """Panels that lie as on paper."""
     if not _in_one_plane(pattern):
         return None
+    if all(tube_sides(pattern, panel) for panel in pattern.panels):
+        return None  # each goes round the body by itself
     turned = any(p.rotation != pattern.panels[0].rotation for p in pattern.panels)
     if turned and abs(pattern.panels[0].matrix[1, 2]) > PARALLEL and _seams_meet(pattern):
         return None  # a circle round the waist or the neck, laid out level

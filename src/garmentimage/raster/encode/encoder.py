@@ -13,7 +13,7 @@ from typing import Literal
 
 from garmentimage.compare import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
-from garmentimage.pattern import LaidOpen, Pattern, lay_open, turned_round
+from garmentimage.pattern import TUBE_SHARE, LaidOpen, Pattern, lay_open, turned_round
 from garmentimage.pattern.checks import unknown_place
 from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
 from garmentimage.raster.encode.layout import (
@@ -34,9 +34,6 @@ GRIDS = (8, 128)
 AUTO_GRIDS = (16, 32, 64)
 """Grids that are tried in turn where none is given, or for an error that suggests one."""
 Grid = int | Literal["auto"]
-TUBE_SHARE = 0.5
-"""A panel whose sewn sides lie farther apart than this share of its size makes a tube: laid
-flat with these sides joined, as those of a ring or a dart can be, it would tear."""
 MAX_BOW_ROUNDS = 5
 """Rounds in which bends are bowed until their seams decode with their own lengths."""
 

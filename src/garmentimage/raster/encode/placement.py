@@ -23,7 +23,8 @@ from garmentimage.pattern import FRONTAL, Pattern, Point, floor_shift, fold_seam
 from garmentimage.raster.encode.creases import cut_creases
 from garmentimage.raster.encode.joints import find_joints
 from garmentimage.raster.encode.pockets import cut_beneath
-from garmentimage.raster.encode.split import PanelPart, SplitPattern, split_wrapping
+from garmentimage.raster.encode.split import SEEN_FROM_SIDE, PanelPart, SplitPattern, split_wrapping
+from garmentimage.raster.encode.tubes import split_tubes
 
 FRONT, BACK = 0, 1
 MAX_SHEETS = 2
@@ -154,6 +155,7 @@ def place(pattern: Pattern, turned: Set[str] = frozenset()) -> Placed:
     middle = middle_depth(split)
     for part in split.parts:
         part.layer = _layer(split, part, middle)
+    split_tubes(split)
     split_wrapping(split, middle)
     matrices = _matrices(split)
     poses = {id(p): (m, _offset(split, p, m)) for p, m in zip(split.parts, matrices, strict=True)}
@@ -279,8 +281,8 @@ def _matrices(split: SplitPattern) -> list[Matrix]:
     """
     choices = [
         [_laid_flat(split, p)]
-        if p.is_part or abs(p.rotation[2, 2]) < EDGE_ON
-        else _upright(p.rotation)
+        if _is_half(p) or abs(p.rotation[2, 2]) < EDGE_ON
+        else _upright(p.rotation)[: 1 if p.is_part else None]
         for p in split.parts
     ]
     matrices = {i: poses[0] for i, poses in enumerate(choices) if len(poses) == 1}
@@ -349,7 +351,7 @@ def _offset(split: SplitPattern, part: PanelPart, matrix: Matrix) -> Float[np.nd
     polygon = split.polygon(part)
     world = split.centre(part)
     offset: Float[np.ndarray, " 2"] = world[:2] - matrix @ split.own_centre(part)
-    if part.is_part and _faces_sideways(part.rotation):
+    if _is_half(part) and _faces_sideways(part.rotation):
         side = np.sign(_outward(split, part)[0])
         nearest = (side * (polygon @ matrix[0] + offset[0])).min()
         offset = offset + np.array([side * max(AXIS_CLEARANCE - nearest, 0.0), 0.0])
@@ -388,6 +390,11 @@ def _laid_flat(split: SplitPattern, part: PanelPart) -> Matrix:
     else:
         rows = [rotation[0, :2], np.sign(outward[1]) * deep * rotation[2, :2]]
     return _nearest_orthogonal(np.stack(rows))
+
+
+def _is_half(part: PanelPart) -> bool:
+    """Whether a panel is half of one seen from its side; parts of a tube face front and back."""
+    return part.is_part and bool(abs(part.rotation[2, 2]) < SEEN_FROM_SIDE)
 
 
 def _faces_sideways(rotation: Float[np.ndarray, "3 3"]) -> bool:

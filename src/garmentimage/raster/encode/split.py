@@ -242,7 +242,7 @@ def _choose_vertices(
     free boundary between them if there is some; then any vertex nearby. Of those the first pair
     that leaves two parts large enough is taken.
     """
-    starts = _starts(split, part)
+    starts = edge_starts(split, part)
     changes = _layer_changes(split, part, undecided)
     ranked: list[list[float]] = []
     for place in places:
@@ -266,9 +266,9 @@ def _layer_changes(split: SplitPattern, part: PanelPart, undecided: set[int]) ->
     Halfway along the free edges between such neighbours; edges sewn to panels that are not yet
     cut separate nothing.
     """
-    loop, starts = part.loops[0], _starts(split, part)
+    loop, starts = part.loops[0], edge_starts(split, part)
     count, perimeter = len(loop), starts[-1]
-    layers = [_partner_layer(split, e, undecided) for e in loop]
+    layers = [partner_layer(split, e, undecided) for e in loop]
     changes = []
     for k in range(count):
         if layers[k] is None:
@@ -283,7 +283,7 @@ def _layer_changes(split: SplitPattern, part: PanelPart, undecided: set[int]) ->
     return changes
 
 
-def _starts(split: SplitPattern, part: PanelPart) -> Float[np.ndarray, " _"]:
+def edge_starts(split: SplitPattern, part: PanelPart) -> Float[np.ndarray, " _"]:
     """Length along the outer loop at which each edge starts, and the whole length."""
     return np.cumsum([0.0, *(polyline_length(split.curves[e]) for e in part.loops[0])])
 
@@ -302,7 +302,7 @@ def _balance(split: SplitPattern, part: PanelPart, a: float, b: float) -> float:
 
 def vertex_at(split: SplitPattern, part: PanelPart, place: float) -> int:
     """The edge that starts at a place on the outer loop, split off there if need be."""
-    starts = _starts(split, part)
+    starts = edge_starts(split, part)
     here = np.abs(starts[:-1] - place) < 1e-6
     if here.any():
         return part.loops[0][int(here.argmax())]
@@ -311,7 +311,8 @@ def vertex_at(split: SplitPattern, part: PanelPart, place: float) -> int:
     return split.split_edge(part.loops[0][k], share)
 
 
-def _partner_layer(split: SplitPattern, edge: int, undecided: set[int]) -> int | None:
+def partner_layer(split: SplitPattern, edge: int, undecided: set[int]) -> int | None:
+    """The layer of what an edge is sewn to; None where that is nothing, or an undecided edge."""
     if edge not in split.sewn or split.sewn[edge][0] in undecided:
         return None
     return split.owner(split.sewn[edge][0])[0].layer
@@ -331,26 +332,33 @@ def _cut(split: SplitPattern, part: PanelPart, vertices: list[int]) -> None:
     split.sew(*cut, crossed=True)
     split.cuts.update(cut)
     for hole in part.loops[1:]:
-        _part_with_hole(split, part, both, hole).loops.append(hole)
+        part_with_hole(split, part, both, hole).loops.append(hole)
     both.sort(key=lambda p: -split.centre(p)[2])
-    at = next(k for k, p in enumerate(split.parts) if p is part)
-    taken = {p.name for p in split.parts}
     for layer, one in enumerate(both):
         one.layer = layer
-        one.name = f"{part.name}:{SUFFIXES[layer]}"
+    put_parts(split, part, both)
+
+
+def put_parts(split: SplitPattern, part: PanelPart, cut: list[PanelPart]) -> None:
+    """Put the parts of a panel in its place, named by their layers."""
+    at = next(k for k, p in enumerate(split.parts) if p is part)
+    taken = {p.name for p in split.parts}
+    for one in cut:
+        one.name = f"{part.name}:{SUFFIXES[one.layer]}"
         while one.name in taken:
             one.name += "'"
-    split.parts[at : at + 1] = both
+        taken.add(one.name)
+    split.parts[at : at + 1] = cut
 
 
-def _part_with_hole(
-    split: SplitPattern, part: PanelPart, both: list[PanelPart], hole: list[int]
+def part_with_hole(
+    split: SplitPattern, part: PanelPart, cut: list[PanelPart], hole: list[int]
 ) -> PanelPart:
-    """The one of the two parts of a panel that a hole lies in."""
+    """The one of the parts of a panel that a hole lies in."""
     import shapely
 
     inner = shapely.Polygon(np.concatenate([split.curves[e][:-1] for e in hole]))
-    for one in both:
+    for one in cut:
         if shapely.Polygon(split.polygon(one)).contains(inner):
             return one
     raise EncodeError(
