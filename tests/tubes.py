@@ -5,7 +5,16 @@ from dataclasses import replace
 import numpy as np
 
 from garmentimage.draft import draft_pattern
-from garmentimage.pattern import Panel, Pattern, Side, Stitch, loop_from_curves
+from garmentimage.geometry.curves import Curve
+from garmentimage.pattern import (
+    Panel,
+    Pattern,
+    Side,
+    Stitch,
+    loop_from_curves,
+    mirrored_curvature,
+)
+from garmentimage.pattern.model import curvature_of, edge_curve
 from tests.lapels import polygon
 
 BEHIND = (0.0, 180.0, 0.0)
@@ -59,3 +68,37 @@ def under_a_top(height: float = 50.0) -> Pattern:
     stitches += [Stitch(Side("skirt", k), Side(name, m)) for k, name, m in pairs]
     panels = [cut if panel is back else panel for panel in top.panels]
     return Pattern((*panels, skirt), tuple(stitches))
+
+
+def with_whole_sleeves(tee: Pattern) -> Pattern:
+    """A drafted tee each of whose sleeves is one panel, which lies over the arm.
+
+    Its front half is the drafted one, its back half the mirror image of that.
+    """
+    panels = [panel for panel in tee.panels if "sleeve" not in panel.name]
+    stitches = [s for s in tee.stitches if not any("sleeve" in side.panel for side in s.sides)]
+    for side in ("left", "right"):
+        half, name = tee.by_name[f"{side}_sleeve_front"], f"{side}_sleeve"
+        labels = [edge.label for edge in half.edges]
+        upper = labels.index("upper_seam")
+        around = [(upper + k) % 4 for k in (1, 2, 3)]
+        curves = [half.curves[k] for k in around]
+        outline = loop_from_curves([*curves, *(over_the_fold(c) for c in reversed(curves))])
+        own = {labels[k]: n for n, k in enumerate(around)}
+        x, y, _ = half.translation
+        panels.append(Panel(name, outline, (), (x, y, 0.0), (-90.0, 0.0, 0.0)))
+        under = own["underarm_seam"]
+        stitches.append(Stitch(Side(name, under), Side(name, 5 - under)))
+        for stitch in tee.stitches:
+            for mine, other in (stitch.sides, stitch.sides[::-1]):
+                if "sleeve" in other.panel or not mine.panel.startswith(name):
+                    continue
+                cap = own["cap"] if mine.panel.endswith("front") else 5 - own["cap"]
+                stitches.append(Stitch(Side(name, cap), other))
+    return Pattern(tuple(panels), tuple(stitches))
+
+
+def over_the_fold(curve: Curve) -> Curve:
+    """The mirror image of a curve about y = 0, run the other way."""
+    start, end = ((x, -y) for x, y in (curve.end, curve.start))
+    return edge_curve(start, end, mirrored_curvature(curvature_of(curve.reversed())))

@@ -216,9 +216,8 @@ def test_a_dart_is_a_slit():
 
 
 def test_an_edge_that_closes_on_itself_is_split():
-    """A one-piece tube: sewing its sides together closes its top and its bottom to rings."""
-    panel = rectangle("tube", 60, 40, (0, 100, 20))
-    graph = build_seam_graph(place(Pattern((panel,), (stitch("tube", LEFT, "tube", RIGHT),))))
+    """A slit ring: sewing its ends together closes its inner and its outer edge to rings."""
+    graph = build_seam_graph(place(ring(350, sewn=True)))
     assert len(graph.arcs) == 5
     assert all(arc.a != arc.b for arc in graph.arcs)
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from garmentimage import decode, encode
+from garmentimage import decode, draft_pattern, encode
 from garmentimage.compare import compare_patterns
 from garmentimage.pattern import Pattern, tube_sides
 from garmentimage.raster import EdgeType
 from tests.raster.mirror import mirrored_pattern
 from tests.raster.panels import rectangle, stitch
 from tests.raster.test_proof import ring
-from tests.tubes import tube, under_a_top, with_band
+from tests.tubes import tube, under_a_top, with_band, with_whole_sleeves
 
 slowly = settings(max_examples=4)
 
@@ -40,6 +40,10 @@ def test_a_tube_of_any_size_comes_back_whole(width, height, flare, behind):
 @pytest.mark.parametrize("make", [lambda: with_band(tube()), under_a_top])
 def test_tubes_come_back_with_what_they_are_sewn_to(make, grid):
     assert_back(make(), grid)
+
+
+def test_sleeves_of_one_panel_come_back_whole():
+    assert_back(with_whole_sleeves(draft_pattern("tee")))
 
 
 def test_the_image_of_a_mirrored_tube_is_its_mirror():

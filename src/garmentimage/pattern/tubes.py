@@ -14,11 +14,11 @@ flat with these sides joined, as those of a ring or a dart can be, it would tear
 
 
 def tube_sides(pattern: Pattern, panel: Panel) -> tuple[list[Side], list[Side]] | None:
-    """If a panel that faces front or back is a tube, its sides that are sewn together.
+    """If a panel that faces front, back or up is a tube, its sides that are sewn together.
 
-    First those at the end of the panel with less x in the world.
+    First those at its lower end, along the axis of the world along which its ends lie apart.
     """
-    if abs(panel.matrix[2, 2]) < FRONTAL:
+    if np.abs(panel.matrix[1:, 2]).max() < FRONTAL:
         return None
     size = float(np.ptp(panel.outline.polygon, axis=0).max())
     first, second = [], []
@@ -28,7 +28,8 @@ def tube_sides(pattern: Pattern, panel: Panel) -> tuple[list[Side], list[Side]] 
         middles = np.array([pattern.curve(side).sample(2)[1] for side in stitch.sides])
         if np.linalg.norm(middles[0] - middles[1]) <= TUBE_SHARE * size:
             continue
-        left = int(panel.to_world(middles)[:, 0].argmin())
-        first.append(stitch.sides[left])
-        second.append(stitch.sides[1 - left])
+        gap = np.diff(panel.to_world(middles), axis=0)[0]
+        lower = int(gap[np.abs(gap).argmax()] < 0)
+        first.append(stitch.sides[lower])
+        second.append(stitch.sides[1 - lower])
     return (first, second) if first else None

@@ -5,6 +5,7 @@ from jaxtyping import Bool, Float, Int
 
 from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.start.sides import Landmarks, chest, faces_front, of_side
+from garmentimage.pattern import tube_sides
 
 SLEEVE_INNER = 0.2
 """Sleeves lie outside of this share of the shoulder joint's distance from the middle."""
@@ -65,6 +66,8 @@ def _sleeve(
         and faces_front(cloth, stitch.a) != faces_front(cloth, stitch.b)
         for half in stitch.sides
     }
+    # A sleeve of one panel has no halves.
+    halves |= {n for n in outer if tube_sides(cloth.pattern, cloth.pattern.by_name[n])}
     found = halves & high
     joined = [{s.panel for s in stitch.sides} for stitch in cloth.pattern.stitches]
     growing = True
