@@ -1,7 +1,20 @@
 """Small patterns for tests of placing and drawing: rectangles on the body, sewn as a test wants."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from garmentimage.geometry.curves import Line
-from garmentimage.pattern.model import Panel, Pattern, Side, Stitch, loop_from_curves
+from garmentimage.pattern.model import (
+    Circle,
+    Edge,
+    Loop,
+    Panel,
+    Pattern,
+    Side,
+    Stitch,
+    loop_from_curves,
+)
 from garmentimage.raster.frame import BodyFrame
 
 BOTTOM, RIGHT, TOP, LEFT = range(4)
@@ -63,3 +76,26 @@ def gored_tube(depth=30.0):
             stitch("front", LEFT, "back", RIGHT),
         ),
     )
+
+
+def ring(degrees, sewn=False):
+    """A ring of a circle skirt, with a gap behind."""
+    inner, outer, half = 10.0, 40.0, np.deg2rad(degrees) / 2
+    at = np.array([half, -half])
+    points = [
+        (r * np.sin(a), r * np.cos(a)) for r, ends in ((inner, at), (outer, at[::-1])) for a in ends
+    ]
+    edges = (
+        Edge(0, 1, Circle(inner, degrees > 180, False)),
+        Edge(1, 2),
+        Edge(2, 3, Circle(outer, degrees > 180, True)),
+        Edge(3, 0),
+    )
+    panel = Panel("ring", Loop(tuple((float(x), float(y)) for x, y in points), edges))
+    panel = replace(panel, translation=(0.0, 100.0, 15.0))
+    if panel.outline.area < 0:
+        curves = [curve.reversed() for curve in reversed(panel.outline.curves)]
+        panel = replace(panel, outline=loop_from_curves(curves))
+    straight = [k for k, curve in enumerate(panel.curves) if curve.is_straight]
+    seam = Stitch(*(Side("ring", k) for k in straight))
+    return Pattern((panel,), (seam,) if sewn else ())

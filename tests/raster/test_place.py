@@ -25,6 +25,7 @@ from tests.raster.panels import (
     gored_tube,
     polygon,
     rectangle,
+    ring,
     stitch,
     tube,
 )

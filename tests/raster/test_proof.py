@@ -17,7 +17,6 @@ from garmentimage.geometry.curves import Bezier, Line
 from garmentimage.geometry.polygons import polyline_length
 from garmentimage.pattern.direction import turned_round
 from garmentimage.pattern.model import (
-    Circle,
     Edge,
     Loop,
     Panel,
@@ -32,6 +31,7 @@ from tests.compare.garments import transformed_panel, without_stitch
 from tests.corpus import unpacked
 from tests.garments import garments
 from tests.raster import panels as drawn
+from tests.raster.panels import ring
 
 slowly = settings(max_examples=10)
 
@@ -41,29 +41,6 @@ def rectangle(name, width, height, translation, rotation=(0.0, 0.0, 0.0)):
     corners = ((-x, 0.0), (x, 0.0), (x, y), (-x, y))
     edges = tuple(Edge(k, (k + 1) % 4) for k in range(4))
     return Panel(name, Loop(corners, edges), translation=translation, rotation=rotation)
-
-
-def ring(degrees, sewn=False):
-    """A ring of a circle skirt, with a gap behind."""
-    inner, outer, half = 10.0, 40.0, np.deg2rad(degrees) / 2
-    at = np.array([half, -half])
-    points = [
-        (r * np.sin(a), r * np.cos(a)) for r, ends in ((inner, at), (outer, at[::-1])) for a in ends
-    ]
-    edges = (
-        Edge(0, 1, Circle(inner, degrees > 180, False)),
-        Edge(1, 2),
-        Edge(2, 3, Circle(outer, degrees > 180, True)),
-        Edge(3, 0),
-    )
-    panel = Panel("ring", Loop(tuple((float(x), float(y)) for x, y in points), edges))
-    panel = replace(panel, translation=(0.0, 100.0, 15.0))
-    if panel.outline.area < 0:
-        curves = [curve.reversed() for curve in reversed(panel.outline.curves)]
-        panel = replace(panel, outline=loop_from_curves(curves))
-    straight = [k for k, curve in enumerate(panel.curves) if curve.is_straight]
-    seam = Stitch(*(Side("ring", k) for k in straight))
-    return Pattern((panel,), (seam,) if sewn else ())
 
 
 @slowly

@@ -9,8 +9,7 @@ from garmentimage.compare import compare_patterns
 from garmentimage.pattern import Pattern, tube_sides
 from garmentimage.raster import EdgeType
 from tests.raster.mirror import mirrored_pattern
-from tests.raster.panels import rectangle, stitch
-from tests.raster.test_proof import ring
+from tests.raster.panels import rectangle, ring, stitch
 from tests.tubes import tube, under_a_top, with_band, with_whole_sleeves
 
 slowly = settings(max_examples=4)
