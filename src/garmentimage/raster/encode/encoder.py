@@ -15,7 +15,13 @@ from garmentimage.compare import StitchGraph, stitch_graph
 from garmentimage.errors import EncodeError, check_type, quoted
 from garmentimage.pattern import TUBE_SHARE, LaidOpen, Pattern, lay_open, turned_round
 from garmentimage.pattern.checks import unknown_place
-from garmentimage.raster.encode.lattice import Path, drawings, lost_shape, trials
+from garmentimage.raster.encode.lattice import (
+    CrossingError,
+    Path,
+    drawings,
+    lost_shape,
+    trials,
+)
 from garmentimage.raster.encode.layout import (
     Layout,
     SeamGraph,
@@ -172,7 +178,8 @@ def _encode(
     layout has more.
     """
     first: EncodeError | None = None
-    for layout, attempts in trials(candidates):
+    routed: set[str] = set()
+    for layout, attempts in trials(candidates, routed):
         drawn: list[tuple[list[Path], Disproof | None]] = []
         for paths in drawings(layout, frame, attempts):
             try:
@@ -189,6 +196,8 @@ def _encode(
                 raise EncodeError(reason)
             except EncodeError as error:
                 first = first or error
+                if not isinstance(error, CrossingError):
+                    routed.add(layout.stage)
         if expected is None:
             continue
         for paths, found in drawn:

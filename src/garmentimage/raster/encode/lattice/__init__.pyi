@@ -5,6 +5,9 @@ from .attempts import (
 from .drawing import (
     Path as Path,
 )
+from .route import (
+    CrossingError as CrossingError,
+)
 from .shapes import (
     lost_shape as lost_shape,
 )

@@ -4,7 +4,7 @@ An attempt routes the arcs on a fine lattice, disjoint inside a layer, and compa
 the lattice of the image. Each step keeps the drawing valid.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from garmentimage.errors import EncodeError, quoted
@@ -51,15 +51,22 @@ LAST_ATTEMPTS = (Attempt(1.5, 9.0, False),)
 LAST_LAYOUTS = 3
 """... on so many of them."""
 LOWEST_ATTEMPTS = ATTEMPTS[0]._replace(lowest=0), ATTEMPTS[2]._replace(lowest=0)
-"""Tried at last on all."""
+"""Tried at last on those that could be routed."""
 PASSES = 3
 """Rounds of compaction along x, then y; the limits of the grid must hold in the last."""
 SLIT_CM = 1.0
 """Free edges shorter than this [cm] are pointed out where a garment cannot be drawn."""
 
 
-def trials(layouts: Iterable[Layout]) -> Iterator[tuple[Layout, tuple[Attempt, ...]]]:
-    """Layouts with the attempts to draw each, most promising first."""
+def trials(
+    layouts: Iterable[Layout], routed: Collection[str]
+) -> Iterator[tuple[Layout, tuple[Attempt, ...]]]:
+    """Layouts with the attempts to draw each, most promising first.
+
+    Args:
+        layouts: can be gone through again and again.
+        routed: stages of the layouts whose arcs could be routed so far; read at the end.
+    """
     usual = (layout for layout in layouts if layout.stage != LAST_RESORT)
     for number, layout in enumerate(usual):
         yield layout, ATTEMPTS if number == 0 else ATTEMPTS[:2]
@@ -71,7 +78,8 @@ def trials(layouts: Iterable[Layout]) -> Iterator[tuple[Layout, tuple[Attempt, .
         if layout.stage == LAST_RESORT:
             yield layout, ATTEMPTS[:2]
     for layout in drawn:
-        yield layout, LOWEST_ATTEMPTS
+        if layout.stage in routed:
+            yield layout, LOWEST_ATTEMPTS
 
 
 def drawings(
@@ -92,7 +100,7 @@ def drawings(
                 yield paths if part is None else part.unfold(paths)
             except EncodeError as error:
                 crossing = _crossing(layout) if error.remedy == "grid" else ""
-                yield EncodeError(
+                yield type(error)(
                     f"{error}{crossing}", remedy="either" if crossing else error.remedy
                 )
 

@@ -39,6 +39,10 @@ MAX_COORDINATE = 1e9
 """Targets lie nearer than this to the grid's corner [fine steps]."""
 
 
+class CrossingError(EncodeError):
+    """Arcs that cannot be kept apart."""
+
+
 def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> DrawnPaths:
     """Draw every arc on the lattice that is `fine` times finer than the image.
 
@@ -49,7 +53,7 @@ def route(drawing: Drawing, fine: int, radius: float, in_order: bool = True) -> 
         in_order: arcs leave a node in the cyclic order of their targets; else as they find room.
 
     Raises:
-        EncodeError: arcs cannot be kept apart; a finer lattice or another layout may help.
+        CrossingError: arcs cannot be kept apart; a finer lattice or another layout may help.
     """
     nodes, arcs = drawing.nodes, drawing.arcs
     low, width, height = _extent(drawing, fine)
@@ -153,4 +157,4 @@ def _disjoint_paths(
         # Both costs grow: history remembers where paths met, price presses all of them.
         traffic.history[traffic.use > 1] += CLASH_COST
         price *= DEARER
-    raise EncodeError("its seams cross or crowd each other on the grid")
+    raise CrossingError("its seams cross or crowd each other on the grid")
