@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections import Counter
 from dataclasses import fields, replace
 from itertools import combinations
 
@@ -51,6 +52,9 @@ GOLDEN = {
     "pocket-skirt": "0508583ea713d688",
     "peplum-top": "d6e16e61a31d55b3",
     "pleated-skirt": "ab26533f73100d52",
+    "button-shirt": "35e87514c6c645c8",
+    "polo-shirt": "556952712dcadf51",
+    "turtleneck": "31640c46f51255f3",
 }
 
 
@@ -315,6 +319,47 @@ def test_sleeves_and_cuffs_are_panels_of_their_own():
         for what in ("sleeve", "cuff")
         for facing in ("front", "back")
     }
+
+
+def folded_edges(pattern):
+    """Labels of the edges that are sewn right side to wrong side, with how often each occurs."""
+    sides = [s for stitch in pattern.stitches if stitch.same_direction for s in stitch.sides]
+    return Counter(pattern.by_name[side.panel].edges[side.edge].label for side in sides)
+
+
+@pytest.mark.parametrize(("kind", "falls"), [("button-shirt", 3), ("turtleneck", 2)])
+def test_a_fall_is_folded_over_its_stand_and_longer_at_its_edge(kind, falls):
+    pattern = draft_pattern(kind, cuffs="none")
+    assert folded_edges(pattern) == {"fall_seam": 4, "collar_edge": 4}
+    found = [panel for panel in pattern.panels if "fall" in panel.name]
+    assert len(found) == falls and all(panel.cloth_layer == 1 for panel in found)
+
+    def length(label):
+        own = zip(back.edges, back.curves, strict=True)
+        return sum(curve.length for edge, curve in own if edge.label == label)
+
+    back = pattern.by_name["fall_back"]
+    assert length("collar_edge") > length("fall_seam") + 1.0
+
+
+@given(designs(("button-shirt", "polo-shirt", "turtleneck"), cuffs="turned-up"))
+@settings(max_examples=30)
+def test_a_turned_up_cuff_is_wider_than_the_sleeve_beneath_it(design):
+    pattern = drafted(design)
+    cuff, sleeve = (pattern.by_name[f"left_{what}_front"] for what in ("cuff", "sleeve"))
+    assert folded_edges(pattern)["cuff_fold"] == folded_edges(pattern)["wrist"] == 4
+    ring, cloth = polygon(cuff), polygon(sleeve)
+    assert cuff.cloth_layer == 1 and ring.area > ring.intersection(cloth).area
+    inside = sleeve.to_world(sleeve.outline.polygon)[:, 0].max() - design[2]["cuff_depth"] + 0.1
+    at = shapely.LineString([(inside, 0.0), (inside, 300.0)])
+    assert ring.intersection(at).length >= cloth.intersection(at).length
+
+
+def test_a_cuff_is_not_turned_up_into_the_armhole():
+    short = {"sleeve_length": 0.4, "cap_height": 0.42, "armhole_ease": 4.0, "cuff_depth": 7.0}
+    assert draft_pattern("turtleneck", "short-round-female", **short).panels
+    with pytest.raises(DraftError, match=r"turned up by 7.0 cm, but the sleeve is 7.5 cm long"):
+        draft_pattern("turtleneck", "short-round-female", cuffs="turned-up", **short)
 
 
 @pytest.mark.parametrize(

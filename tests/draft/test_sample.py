@@ -1,5 +1,7 @@
 """Laws of sampling: the same garment for ever, on any number of workers."""
 
+import hashlib
+import json
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,16 @@ from garmentimage.pattern.files.spec import load_pattern, save_pattern
 TEMPLATE = Path(__file__).parent / "templates" / "flared_skirt.json"
 LENGTH = Parameter("length", 50.0, "", low=40.0, high=60.0, unit="cm")
 COLLAR = Parameter("collar", "none", "", options=("none", "stand", "shirt"))
+DRAWN = {
+    "shirt": "96c38ac8401cee20",
+    "jacket": "e43f841894dba1f6",
+    "hoodie": "6d9d56e2562b4880",
+    "blazer": "ad7deae3858b9434",
+    "coat": "fa2e3e6cc43996bb",
+    "vest": "cb60ff328a5d2717",
+    "blouse": "9f2922a66dfe63f6",
+}
+"""Of kinds, a hash of the parameters of five garments."""
 
 
 def records(*arguments, **options):
@@ -73,6 +85,12 @@ def test_ends_of_a_range_and_all_options_occur_and_the_rest_is_even():
     assert counts.min() > 0.9 * counts.mean()
     chosen = [drawn_value(COLLAR, random) for _ in range(900)]
     assert all(chosen.count(option) > 250 for option in COLLAR.options)
+
+
+def test_kinds_that_had_cuffs_or_collars_draw_what_they_drew_before_there_were_more():
+    for kind, expected in DRAWN.items():
+        text = json.dumps([record["parameters"] for record, _ in records(kind, 5, 7)])
+        assert hashlib.sha256(text.encode()).hexdigest()[:16] == expected, kind
 
 
 def test_any_body_draws_all_bodies():

@@ -147,3 +147,15 @@ def test_a_peplum_hangs_outside_from_the_line_along_which_it_is_sewn_on():
     line = worn.points[cloth.vertex[cloth.sides[Side("peplum_front", 3)]]]
     hem = worn.points[cloth.vertex[cloth.sides[Side("peplum_front", 1)]]]
     assert line[:, 1].mean() - hem[:, 1].mean() == pytest.approx(16, abs=2)
+
+
+@pytest.mark.parametrize("kind", ["button-shirt", "turtleneck"])
+def test_a_fall_lies_outside_over_a_stand_that_stands_up(kind):
+    worn = drape_pattern(draft_pattern(kind, cuffs="turned-up"), vertices=2000)
+    assert not worn.report.faults
+    cloth = worn.cloth
+    back = cloth.pattern.by_name["collar_back"]
+    on = cloth.panel == cloth.pattern.panels.index(back)
+    height, places = cloth.flat[on][:, 1], worn.points[cloth.vertex[on]]
+    rise = places[height == height.max()].mean(axis=0) - places[height == 0].mean(axis=0)
+    assert rise[1] > 0.6 * height.max()

@@ -39,6 +39,9 @@ NOUNS: Mapping[str, str] = {
     "pocket-skirt": "skirt",
     "peplum-top": "peplum top",
     "pleated-skirt": "pleated skirt",
+    "button-shirt": "open shirt",
+    "polo-shirt": "polo shirt",
+    "turtleneck": "turtleneck",
 }
 SLEEVE_LENGTH_WORDS: Levels = ((0.5, "short"), (0.8, "three-quarter"), (9.9, "long"))
 """By `sleeve_length`, as a share of the arm."""

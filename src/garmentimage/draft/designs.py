@@ -123,10 +123,10 @@ class SleeveDesign:
 class CuffDesign:
     """Cuffs of their own at the ends of the sleeves."""
 
-    cuffs: str = choice("none", ("none", "band"), "with cuffs or without")
+    cuffs: str = choice("none", ("none", "band", "turned-up"), "none, a band, or turned up")
     cuff_depth: float = parameter(6.0, 4.0, 10.0, "cm", "along the arm")
     cuff_fullness: float = parameter(
-        1.2, 1.0, 1.8, "cuff", "width of the sleeve where it joins the cuff; above 1 it is gathered"
+        1.2, 1.0, 1.8, "cuff", "width of the sleeve where it joins the band; above 1 it is gathered"
     )
 
 
@@ -188,12 +188,19 @@ class WaistbandDesign:
 
 @dataclass(frozen=True)
 class CollarDesign:
-    """A collar: a stand round the neck, or lapels that go on into one behind."""
+    """A collar: a stand round the neck, lapels that go on into one behind, or more on a stand."""
 
-    collar: str = choice("stand", ("none", "stand", "lapels"), "collar")
+    collar: str = choice("stand", ("none", "stand", "lapels", "shirt", "turtle"), "collar")
     collar_height: float = parameter(4.0, 3.0, 5.5, "cm", "height of the collar behind the neck")
     lapel_width: float = parameter(7.0, 5.0, 8.5, "cm", "how far lapels reach from the neckline")
     lapel_shape: str = choice("notched", ("notched", "shawl"), "edge of the lapels")
+    fall_reach: float = parameter(
+        2.0, 1.0, 3.0, "cm", "how much higher than its stand the fall of a shirt collar is"
+    )
+    collar_point: float = parameter(7.5, 6.0, 9.5, "cm", "front edge of the fall of a shirt collar")
+    turtle_height: float = parameter(
+        9.0, 7.5, 11.0, "cm", "height of a turtle neck before it is turned down"
+    )
 
 
 @dataclass(frozen=True)

@@ -165,12 +165,13 @@ def make_collared(
     design: Design,
     *,
     front: str = "open",
+    pockets: str = "hip",
 ) -> None:
-    """A jacket or a blouse with a collar and patch pockets: at the hip, or on the chest."""
+    """A jacket, a shirt or a blouse with a collar and patch pockets: at the hip or on the chest."""
     block, panels = make_top(garment, body, design, front=front)
     necks = {(f, side): seam_of(panels[f], "neck", side) for f in FACINGS for side in SIDES}
     add_collar(garment, block, panels, necks, design.collar)
-    if front == "open":
+    if pockets == "hip":
         across, top = HIP_POCKET_ACROSS * block.width(0.0, 0.0), HIP_POCKET_TOP
         room = design.bodice.body_length - HIP_POCKET_ROOM - design.pocket.pocket_height
     else:
@@ -242,11 +243,14 @@ MAKERS: Mapping[str, Callable[[Assembly, BodyMeasurements, Design], Any]] = Mapp
         "blazer": make_collared,
         "coat": make_collared,
         "vest": make_collared,
-        "blouse": partial(make_collared, front="closed"),
+        "blouse": partial(make_collared, front="closed", pockets="chest"),
         "cargo-pants": make_cargo_pants,
         "pocket-skirt": make_pocket_skirt,
         "peplum-top": make_peplum_top,
         "pleated-skirt": make_pleated_skirt,
+        "button-shirt": partial(make_collared, pockets="chest"),
+        "polo-shirt": partial(make_collared, front="closed", pockets="chest"),
+        "turtleneck": partial(make_collared, front="closed", pockets="chest"),
     }
 )
 """By kind, what draws its panels and sews them."""

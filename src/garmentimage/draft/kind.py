@@ -119,7 +119,8 @@ def _kind(
 ) -> Kind:
     """A kind that offers all fields of `parts` but the settled ones.
 
-    `changes` give a parameter another default (one value) or another default, low and high.
+    `changes` give a parameter another default (one value), another default, low and high, or of a
+    choice some of its options, the default first.
     """
     offered = {
         parameter_name: parameter
@@ -129,15 +130,30 @@ def _kind(
     }
     for parameter_name, change in changes.items():
         values = change if isinstance(change, tuple) else (change,)
-        changed = dict(zip(("default", "low", "high"), values, strict=False))
-        offered[parameter_name] = replace(offered[parameter_name], **changed)
+        before = offered[parameter_name]
+        changed: dict[str, Any] = dict(zip(("default", "low", "high"), values, strict=False))
+        if before.options and len(values) > 1:
+            changed = {
+                "default": values[0],
+                "options": tuple(each for each in before.options if each in values),
+            }
+        offered[parameter_name] = replace(before, **changed)
     return Kind(name, doc, MappingProxyType(offered), MappingProxyType(dict(settled)))
 
 
 _ONE_PANEL: Mapping[str, Value] = {"panels_a_side": 1}
 _JOINED: Mapping[str, Value] = {"panels_a_side": 1, "body_length": 0.0}
 _PLAIN_HEM: Mapping[str, Value] = {"flare": 0.0, "hem_slant": 0.0}
-_LAPELS: Mapping[str, Value] = {"neckline": "v", "collar": "lapels"}
+_BANDS = ("none", "band")
+_NO_FALL: Mapping[str, Value] = {"fall_reach": 2.0, "collar_point": 7.5, "turtle_height": 9.0}
+_ROUND_COLLAR: Mapping[str, Value] = {
+    "panels_a_side": 1,
+    "sleeves": "set-in",
+    "neckline": "round",
+    "lapel_width": 7.0,
+    "lapel_shape": "notched",
+}
+_LAPELS: Mapping[str, Value] = {**_NO_FALL, "neckline": "v", "collar": "lapels"}
 
 KINDS: Mapping[str, Kind] = MappingProxyType(
     {
@@ -182,6 +198,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 settled=_PLAIN_HEM,
                 body_length=(10.0, 0.0, 22.0),
                 waist_shaping=(0.3, 0.0, 1.0),
+                cuffs=_BANDS,
             ),
             _kind(
                 "skirt",
@@ -224,6 +241,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 bust_ease=(14.0, 8.0, 28.0),
                 body_length=(22.0, 6.0, 45.0),
                 armhole_ease=(3.0, 1.0, 6.0),
+                cuffs=_BANDS,
             ),
             _kind(
                 "hoodie",
@@ -236,6 +254,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 neck_width=(2.0, 1.0, 3.5),
                 neck_depth=(10.0, 9.0, 13.0),
                 back_neck_depth=(2.5, 2.0, 4.0),
+                cuffs=_BANDS,
             ),
             _kind(
                 "blazer",
@@ -265,12 +284,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 (BodiceDesign, NeckDesign, CollarDesign, PocketDesign),
                 settled={
                     **_PLAIN_HEM,
+                    **_NO_FALL,
                     "sleeves": "none",
                     "neckline": "v",
                     "collar_height": 4.0,
                     "lapel_shape": "shawl",
                 },
-                collar="lapels",
+                collar=("lapels", "none", "stand"),
                 bust_ease=(12.0, 8.0, 20.0),
                 body_length=(22.0, 18.0, 30.0),
                 shoulder_reach=(0.95, 0.9, 1.0),
@@ -281,21 +301,14 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 "blouse",
                 "a blouse with a stand-up collar and pockets on the chest",
                 (BodiceDesign, NeckDesign, SleeveDesign, CuffDesign, CollarDesign, PocketDesign),
-                settled={
-                    **_PLAIN_HEM,
-                    **_ONE_PANEL,
-                    "sleeves": "set-in",
-                    "neckline": "round",
-                    "collar": "stand",
-                    "lapel_width": 7.0,
-                    "lapel_shape": "notched",
-                },
+                settled={**_PLAIN_HEM, **_NO_FALL, **_ROUND_COLLAR, "collar": "stand"},
                 bust_ease=(12.0, 6.0, 20.0),
                 body_length=(12.0, 2.0, 22.0),
                 neck_width=(2.5, 1.5, 3.5),
                 neck_depth=(10.0, 9.0, 12.0),
                 back_neck_depth=(2.5, 2.0, 3.0),
                 collar_height=(3.0, 2.5, 4.0),
+                cuffs=_BANDS,
                 pocket_width=(10.0, 8.0, 11.0),
                 pocket_height=(11.0, 9.0, 12.0),
             ),
@@ -329,6 +342,85 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
                 (SkirtDesign, WaistbandDesign, PleatDesign),
                 settled={"gores": 2, "skirt_fullness": 1.0, "skirt_slant": 0.0},
                 skirt_flare=(0.05, 0.0, 0.2),
+            ),
+            _kind(
+                "button-shirt",
+                "an open shirt with a stand or a shirt collar, and pockets on the chest",
+                (BodiceDesign, NeckDesign, SleeveDesign, CuffDesign, CollarDesign, PocketDesign),
+                settled={**_PLAIN_HEM, **_ROUND_COLLAR, "turtle_height": 9.0},
+                bust_ease=(14.0, 8.0, 22.0),
+                waist_shaping=(0.2, 0.0, 0.7),
+                body_length=(22.0, 12.0, 28.0),
+                shoulder_reach=(0.92, 0.85, 0.97),
+                neck_width=(0.8, 0.5, 1.2),
+                neck_depth=(8.0, 7.0, 9.5),
+                back_neck_depth=(2.0, 1.5, 3.0),
+                cap_fullness=(1.0, 1.0, 1.1),
+                sleeve_length=(0.85, 0.4, 0.95),
+                sleeve_taper=(0.85, 0.75, 1.0),
+                cap_height=(0.36, 0.3, 0.42),
+                cuff_depth=(6.0, 4.0, 7.0),
+                collar=("shirt", "stand"),
+                collar_height=(3.0, 2.5, 3.5),
+                fall_reach=(2.0, 1.5, 3.0),
+                cuffs="band",
+                pocket_width=(10.5, 9.0, 11.5),
+                pocket_height=(12.0, 10.0, 13.0),
+            ),
+            _kind(
+                "polo-shirt",
+                "a closed shirt with a shirt collar",
+                (BodiceDesign, NeckDesign, SleeveDesign, CuffDesign, CollarDesign, PocketDesign),
+                settled={
+                    **_PLAIN_HEM,
+                    **_ROUND_COLLAR,
+                    "collar": "shirt",
+                    "turtle_height": 9.0,
+                },
+                bust_ease=(12.0, 8.0, 20.0),
+                shoulder_reach=(0.9, 0.85, 0.95),
+                waist_shaping=(0.1, 0.0, 0.6),
+                body_length=(18.0, 8.0, 26.0),
+                neck_width=(2.0, 1.5, 2.6),
+                neck_depth=(9.5, 9.0, 10.5),
+                back_neck_depth=(1.8, 1.5, 2.0),
+                sleeve_length=(0.45, 0.4, 0.7),
+                sleeve_taper=(0.2, 0.0, 0.8),
+                cap_height=(0.36, 0.3, 0.42),
+                cap_fullness=(1.0, 1.0, 1.1),
+                collar_height=(2.6, 2.5, 2.8),
+                cuff_depth=(4.0, 3.0, 5.0),
+                pockets="left",
+                pocket_width=(10.0, 8.0, 11.0),
+                pocket_height=(11.0, 9.0, 12.0),
+            ),
+            _kind(
+                "turtleneck",
+                "a top with a turtle neck",
+                (BodiceDesign, NeckDesign, SleeveDesign, CuffDesign, CollarDesign),
+                settled={
+                    **_PLAIN_HEM,
+                    **_ROUND_COLLAR,
+                    "collar": "turtle",
+                    "collar_height": 4.0,
+                    "fall_reach": 2.0,
+                    "collar_point": 7.5,
+                    "pockets": "none",
+                },
+                bust_ease=(14.0, 10.0, 20.0),
+                shoulder_reach=(0.9, 0.85, 0.95),
+                armhole_ease=(2.0, 1.0, 4.0),
+                waist_shaping=(0.2, 0.0, 0.8),
+                body_length=(16.0, 4.0, 26.0),
+                neck_width=(1.9, 1.5, 2.2),
+                neck_depth=(10.0, 9.5, 10.5),
+                back_neck_depth=(1.8, 1.5, 2.0),
+                cap_fullness=(1.0, 1.0, 1.1),
+                cap_height=(0.36, 0.3, 0.42),
+                turtle_height=(6.5, 6.0, 7.0),
+                sleeve_length=(0.85, 0.4, 0.95),
+                sleeve_taper=(0.85, 0.75, 1.0),
+                cuff_depth=(6.0, 4.0, 7.0),
             ),
         )
     }

@@ -18,13 +18,14 @@ WAIST_EASE = 2.0
 """How much wider than the waist skirts and trousers are [cm]."""
 ARM_EASE = 2.0
 """Least that a sleeve is wider than the arm [cm]."""
+TURN_UP_ROOM = 2.0
+"""Least that a sleeve shows between its armhole and a cuff that is turned up [cm]."""
 THIGH_EASE = 1.0
 """Least that a trouser leg is wider than the thigh [cm]."""
 BUST_CLEARANCE = 2.0
 """A dart ends at least so far from the bust point, or the cloth forms a point [cm]."""
 HOLE_MARGIN = 2.5
 """Least cloth between a cut-out and the edges of its panel [cm]."""
-
 POCKET_MARGIN = 1.5
 """Least cloth between a patch pocket and the edges of its panel [cm]."""
 
@@ -54,6 +55,16 @@ def check_sleeve(width: float, arm_girth: float) -> None:
         raise DraftError(
             f"the sleeve is {width:.1f} cm round, the arm with {ARM_EASE} cm of ease "
             f"{arm_girth + ARM_EASE:.1f} cm; make cap_height smaller or armhole_ease larger"
+        )
+
+
+def check_turn_up(depth: float, length: float) -> None:
+    """Refuse a turned-up cuff that reaches into the armhole; `length` is of the underarm seam."""
+    if depth + TURN_UP_ROOM > length:
+        raise DraftError(
+            f"the cuff is turned up by {depth:.1f} cm, but the sleeve is {length:.1f} cm long at "
+            f"the underarm, of which {TURN_UP_ROOM} cm stay free; make cuff_depth smaller or "
+            "sleeve_length larger"
         )
 
 

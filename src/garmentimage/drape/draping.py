@@ -18,7 +18,9 @@ from garmentimage.drape.layers import (
     held_at_seams,
     interfaced,
     pressed_fold,
+    pressed_stand,
     sewn_lines,
+    without_falls,
 )
 from garmentimage.drape.mesh import DEFAULT_VERTICES, check_size, mesh, rest_of
 from garmentimage.drape.solver import (
@@ -33,6 +35,7 @@ from garmentimage.drape.start import (
     lie_over,
     place_on_body,
     pressed_pleats,
+    stand_up,
     start_points,
     tuck_in,
 )
@@ -98,9 +101,9 @@ def drape_pattern(
     body = wearer(best_fit([pattern], made_for=made_for).body if body == AUTO else body)
     placed, placements = place_on_body(pattern, body, made_for=made_for)
     cloth = mesh(placed, vertices=vertices)
-    start = start_points(cloth, body, placements)
     holding = {side.panel for p in placements if p.is_supported for side in p.edges}
     folded = folded_panels(placed, frozenset(holding))
+    start = start_points(cloth, body, placements, later=folded.below.keys())
     points, motions = start.copy(), []
     before = field = body_field(body)
     items = garment_items(cloth, start, body, placements, tucked=tucked)
@@ -114,6 +117,10 @@ def drape_pattern(
         if layer.role is LayerRole.FOLDED:
             points = fold_onto(cloth, points, folded, field, fabric.thickness)
             hold, material = pressed_fold(cloth, layer, folded, points), interfaced(fabric)
+        elif layer.role is LayerRole.STANDING:
+            points[layer.own] = stand_up(cloth, points, folded)[layer.own]
+            part, hold = without_falls(part), pressed_stand(layer, points)
+            material = interfaced(fabric)
         elif layer.role is LayerRole.SEWN_ON:
             points[layer.own] = lay_onto(cloth, points, field, fabric.thickness)[layer.own]
             hold = sewn_lines(cloth, layer, points)

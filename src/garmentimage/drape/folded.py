@@ -2,11 +2,12 @@
 
 A **turned** panel is sewn right side to wrong side and lies on the panel that it is folded onto,
 right side out (see `pattern.turned`). A **stand** is a collar's panel that stands up beside it, and
-is sewn to it but not to what it lies on. Where the two meet the collar rolls over.
+is sewn to it but not to what it lies on. Where the two meet the collar rolls over. A turned panel
+may itself be folded onto a stand, which it reaches over.
 """
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool
@@ -19,6 +20,7 @@ from garmentimage.pattern import Panel, Pattern, Side, Stitch, fold_seams, turne
 
 SAME_WAY = 0.5  # least cosine between the outer faces of panels of which one lies on the other
 LEAST_OVERLAP = 0.02  # share of a panel that lies on another one, at least
+MAX_STAND = 7.0  # height of a stand beneath a fall, at most [cm]
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,9 @@ class FoldedPanels:
     seams: Mapping[str, tuple[Side, Side]]
     """For each of them its side of its longest seam to the cloth beneath, and the other side. What
     is sewn to none of it has no entry."""
+    below: Mapping[str, tuple[tuple[Side, Side], ...]] = field(default_factory=dict)
+    """For each low panel that they are folded onto, as the stand beneath a fall, its seams to the
+    cloth below: its side, and the other side."""
 
     @property
     def names(self) -> frozenset[str]:
@@ -38,8 +43,9 @@ class FoldedPanels:
 
     @property
     def bases(self) -> frozenset[str]:
-        """Names of the panels that they are sewn to."""
-        return frozenset(other.panel for _, other in self.seams.values())
+        """Names of the panels that they are sewn to, and of those below these."""
+        sewn = {other.panel for _, other in self.seams.values()}
+        return frozenset(sewn | {o.panel for seams in self.below.values() for _, o in seams})
 
 
 def folded_panels(pattern: Pattern, holding: frozenset[str] = frozenset()) -> FoldedPanels:
@@ -53,6 +59,7 @@ def folded_panels(pattern: Pattern, holding: frozenset[str] = frozenset()) -> Fo
     """
     turned: set[str] = set()
     stands: set[str] = set()
+    below: dict[str, tuple[tuple[Side, Side], ...]] = {}
     seams: dict[str, tuple[Side, Side]] = {}
     for part in connected_garments(pattern):
         if not any(stitch.same_direction for stitch in part.stitches):
@@ -69,7 +76,10 @@ def folded_panels(pattern: Pattern, holding: frozenset[str] = frozenset()) -> Fo
         stands |= beside
         folds = {**fold_seams(part, over), **fold_seams(part, own)}
         seams |= {name: sides for name, sides in folds.items() if sides[1].panel not in over}
-    return FoldedPanels(frozenset(turned), frozenset(stands), seams)
+        low = {s[1].panel for s in folds.values() if _is_low(part.by_name[s[1].panel])} - over
+        if low and _is_whole(part, over | low):
+            below |= {name: _seams_below(part, name, over) for name in sorted(low)}
+    return FoldedPanels(frozenset(turned), frozenset(stands), seams, below)
 
 
 def overlapping_panels(pattern: Pattern, folded: FoldedPanels) -> Mapping[str, frozenset[str]]:
@@ -126,6 +136,23 @@ def _stands(pattern: Pattern, turned: set[str]) -> set[str]:
         for name in sewn[mine.panel] - turned - bases
         if other.panel not in sewn[name]
     }
+
+
+def _is_low(panel: Panel) -> bool:
+    """Whether a panel is as low as the stand of a collar."""
+    return bool(np.ptp(panel.outline.polygon, axis=0).min() < MAX_STAND)
+
+
+def _seams_below(pattern: Pattern, name: str, over: Set[str]) -> tuple[tuple[Side, Side], ...]:
+    """The seams of a low panel to others that are not, none of them folded over."""
+    return tuple(
+        (mine, other)
+        for stitch in pattern.stitches
+        for mine, other in (stitch.sides, stitch.sides[::-1])
+        if mine.panel == name
+        and other.panel not in over
+        and not _is_low(pattern.by_name[other.panel])
+    )
 
 
 def _is_whole(pattern: Pattern, without: set[str]) -> bool:

@@ -4,7 +4,8 @@ Cloth of one layer does not keep cloth of the same layer off. Lapels and collars
 with what they lie on would fall through it, and into the neck opening. Hence they are a layer by
 themselves: they begin folded onto the cloth at rest (`start.folding`) and are held along their
 seams. They are kept off what lies beneath, and do not press on it. So are pockets, and whatever
-else is sewn onto the cloth of a panel, held along the edges that are sewn on.
+else is sewn onto the cloth of a panel, held along the edges that are sewn on. A stand beneath a
+fall is put on before the fall, upright.
 
 A front that overlaps another carries its share of the garment, so it cannot be left out at first.
 It is simulated with all the rest, and then once more by itself, outside of what it overlaps.
@@ -22,6 +23,7 @@ from garmentimage.drape.cloth import Cloth
 from garmentimage.drape.components import GarmentItem
 from garmentimage.drape.fabric import Fabric
 from garmentimage.drape.folded import FoldedPanels, on_panels, overlapping_panels
+from garmentimage.drape.mesh import Rest
 from garmentimage.drape.solver import Attachment
 from garmentimage.drape.start import ROLL, from_seams
 from garmentimage.drape.world_panels import sewn_on_panels
@@ -32,6 +34,8 @@ garment up with at most this force all round [dyn]: some 3 kg."""
 PRESSED, PRESSED_STIFFNESS = 5.0, 3e3
 """A fold is pressed: cloth at it is drawn to where it lies flat on what is beneath, with this force
 per distance [dyn/cm]; so many cm away it is not."""
+STAND_STIFFNESS = 300.0
+"""A stand is drawn to where it stands upright along all its height [dyn/cm]."""
 INTERFACING = 10.0
 """Collars and lapels are stiffened: they resist bending so many times as much as their fabric."""
 
@@ -41,6 +45,7 @@ class LayerRole(Enum):
 
     PLAIN = "plain"
     OVERLAPPING = "overlapping"
+    STANDING = "standing up"
     FOLDED = "folded over"
     SEWN_ON = "sewn on"
 
@@ -65,11 +70,18 @@ def garment_layers(
     layers = []
     is_over = on_panels(cloth, folded.names)
     overlaps = overlapping_panels(cloth.pattern, folded)
+    stands = on_panels(cloth, folded.below.keys())
     for item in items:
         faces = np.isin(cloth.vertex_faces[:, 0], item.vertices)
-        beneath = np.unique(cloth.vertex_faces[faces & ~is_over])
-        layers.append(GarmentLayer(item, faces & ~is_over, beneath, beneath, LayerRole.PLAIN))
-        layers += _overlapping(cloth, item, faces & ~is_over, overlaps)
+        plain = faces & ~is_over & ~stands
+        beneath = np.unique(cloth.vertex_faces[plain])
+        layers.append(GarmentLayer(item, plain, beneath, beneath, LayerRole.PLAIN))
+        layers += _overlapping(cloth, item, plain, overlaps)
+        if (standing := faces & stands).any():
+            vertices = np.unique(cloth.vertex_faces[standing])
+            own = np.setdiff1d(vertices, beneath)
+            layers.append(GarmentLayer(item, standing, vertices, own, LayerRole.STANDING))
+            beneath = np.union1d(beneath, vertices)
         if (over := faces & is_over).any():
             vertices = np.unique(cloth.vertex_faces[over])
             own = np.setdiff1d(vertices, beneath)
@@ -152,6 +164,24 @@ def pressed_fold(
     held = np.flatnonzero(stiffness[layer.vertices])
     vertices = layer.vertices[held]
     return Attachment(held, start[vertices], np.tile(stiffness[vertices], (3, 1)).T)
+
+
+def pressed_stand(layer: GarmentLayer, start: Float[np.ndarray, "vertex 3"]) -> Attachment:
+    """Holds a stand where it is sewn on, and draws it to where it begins: it is pressed upright.
+
+    `start` [cm] are the places of all vertices of the garment at its beginning.
+    """
+    own = np.isin(layer.vertices, layer.own)
+    stiffness = np.where(own, STAND_STIFFNESS, np.inf)
+    return Attachment(
+        np.arange(len(layer.vertices)), start[layer.vertices], np.tile(stiffness, (3, 1)).T
+    )
+
+
+def without_falls(part: Rest) -> Rest:
+    """Stands that carry their own weight only: a fall lies on the shoulders."""
+    own = np.bincount(part.faces.ravel(), np.repeat(part.face_area / 3, 3), len(part.vertex_area))
+    return replace(part, vertex_area=own)
 
 
 def sewn_lines(

@@ -1,10 +1,13 @@
-"""Collars: a stand round the neck, and lapels that are folded over and go on into one behind.
+"""Collars: a stand round the neck, with or without a fall folded down over it, and lapels.
 
 A lapel is sewn to the front neckline right side to wrong side, so it lies on the front. Its short
-edge at the shoulder is sewn to the end of the stand on the back neckline.
+edge at the shoulder is sewn to the end of the stand on the back neckline. A fall is sewn to the
+upper edge of the stand in the same way: that of a shirt collar is open in front and ends in
+points, that of a turtle neck goes all round.
 """
 
-from math import atan2, cos, degrees, sin
+from dataclasses import replace
+from math import atan2, cos, degrees, sin, sqrt
 
 from garmentimage.draft.assemble import Assembly
 from garmentimage.draft.designs import CollarDesign
@@ -18,6 +21,7 @@ from garmentimage.draft.panel import (
     Outline,
     PanelDraft,
     Seam,
+    closed,
     lines,
     mirrored,
     on_side,
@@ -29,8 +33,15 @@ from garmentimage.draft.panel import (
 from garmentimage.draft.parts.bodice import BodiceBlock
 from garmentimage.geometry import Bezier, Point
 
-OVER_FRONT = 1.0
-"""A lapel is placed this far outside of the front [cm]."""
+OVER = 1.0
+"""Lapels and falls are placed this far outside of what they lie on [cm]."""
+FALL_SPREAD = 0.4
+"""How much longer a quarter of the outer edge of a fall is than its seam, by its height."""
+STAND_SHARE, TURTLE_SPREAD = 0.42, 1.0
+"""Of a turtle neck this share stands up, the rest is turned down; a quarter of its edge is so much
+longer than its fold [cm]."""
+POINT_LEAN = 0.25
+"""How far the points of a fall lie from the middle, as a share of their length."""
 NOTCH = ((0.48, 1.0), (0.4, 0.6), (0.26, 1.0))
 """Corners of a notched edge: shares of the neckline from the shoulder, and of the width of the
 lapel at its point and in the notch, of the collar's height at its corner."""
@@ -55,7 +66,8 @@ def add_collar(
     if design.collar == "none":
         return
     lengths = {key: garment.length(neck) for key, neck in necks.items()}
-    back = _stand(block, BACK, lengths[BACK, RIGHT], design.collar_height, "collar_back")
+    height = stand_height(design)
+    back = _stand(block, BACK, lengths[BACK, RIGHT], height, "collar_back")
     garment.add(*back)
     for side in SIDES:
         garment.sew(_seam(back, "collar_neck", side), necks[BACK, side])
@@ -69,13 +81,20 @@ def add_collar(
             garment.sew(*ends, turned=True)
         return
     opens = len(panels[FRONT]) == 2
-    front_stand = _stand(
-        block, FRONT, lengths[FRONT, RIGHT], design.collar_height, "collar_front", split=opens
-    )
+    front_stand = _stand(block, FRONT, lengths[FRONT, RIGHT], height, "collar_front", split=opens)
     garment.add(*front_stand)
     for side in SIDES:
         garment.sew(_seam(front_stand, "collar_neck", side), necks[FRONT, side])
         garment.sew(_seam(front_stand, "collar_seam", side), _seam(back, "collar_seam", side))
+    if design.collar in ("shirt", "turtle"):
+        _add_fall(garment, {FRONT: front_stand, BACK: back}, lengths, design)
+
+
+def stand_height(design: CollarDesign) -> float:
+    """Height of the stand, over which the rest of a turtle neck is turned down [cm]."""
+    if design.collar == "turtle":
+        return STAND_SHARE * design.turtle_height
+    return design.collar_height
 
 
 def _seam(panels: tuple[PanelDraft, ...], label: str, side: str) -> Seam:
@@ -117,6 +136,56 @@ def _halved(outline: Outline, facing: str) -> Outline:
     return tuple(found)
 
 
+def _add_fall(
+    garment: Assembly,
+    stands: dict[str, tuple[PanelDraft, ...]],
+    lengths: dict[tuple[str, str], float],
+    design: CollarDesign,
+) -> None:
+    """Fold a fall down over a stand; `lengths` are those of the neckline [cm]."""
+    height = stand_height(design)
+    falls: dict[str, tuple[PanelDraft, ...]] = {}
+    for facing, stand in stands.items():
+        half, is_open = _fall_half(facing, lengths[facing, RIGHT], design)
+        x, y, depth = stand[0].translation
+        origin = (x, y + height, abs(depth) + OVER)
+        if is_open:
+            outline = closed(half, "fall_opening")
+            drawn = [
+                placed(f"{side}_fall_{facing}", outline, facing, origin, side=side, grain=ALONG)
+                for side in SIDES
+            ]
+        else:
+            outline = whole(half, half, facing)
+            drawn = [placed(f"fall_{facing}", outline, facing, origin, grain=ALONG)]
+        falls[facing] = tuple(replace(panel, cloth_layer=1) for panel in drawn)
+        garment.add(*falls[facing])
+        for side in SIDES:
+            seams = _seam(falls[facing], "fall_seam", side), _seam(stand, "collar_edge", side)
+            garment.sew(*seams, turned=True)
+    for side in SIDES:
+        garment.sew(*(_seam(falls[facing], "collar_seam", side) for facing in stands))
+
+
+def _fall_half(facing: str, width: float, design: CollarDesign) -> tuple[Outline, bool]:
+    """The half of a fall that hangs down from its seam at y = 0; whether it is open in front."""
+    if design.collar == "turtle":
+        high, spread = design.turtle_height * (1 - STAND_SHARE), TURTLE_SPREAD
+        middle: Point = (0.0, -high)
+    else:
+        high = design.collar_height + design.fall_reach
+        spread, lean = FALL_SPREAD * high, POINT_LEAN * design.collar_point
+        middle = (0.0, -high)
+        if facing == FRONT:
+            middle = (lean, -sqrt(design.collar_point**2 - lean**2))
+    half = (
+        *lines("collar_edge", middle, (width + spread, -high)),
+        *lines("collar_seam", (width + spread, -high), (width, 0.0)),
+        *lines("fall_seam", (width, 0.0), (0.0, 0.0)),
+    )
+    return half, middle[0] > 0
+
+
 def _lapel(
     front: PanelDraft, side: str, length: float, depth: float, design: CollarDesign
 ) -> PanelDraft:
@@ -136,7 +205,7 @@ def _lapel(
     return PanelDraft(
         f"{side}_lapel",
         on_side(outline, side),
-        (x + start[0] - turned[0], y + start[1] - turned[1], depth + OVER_FRONT),
+        (x + start[0] - turned[0], y + start[1] - turned[1], depth + OVER),
         (0.0, 0.0, degrees(angle)),
         cloth_layer=1,
     )

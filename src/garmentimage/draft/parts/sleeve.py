@@ -1,4 +1,4 @@
-"""Sleeves in a front and a back half, and their cuffs.
+"""Sleeves in a front and a back half.
 
 Coordinates of a half: the arm is stretched along +x, (0, 0) is the crown of the cap, where the
 sleeve meets the shoulder; y = 0 is the upper seam and the cloth lies below it.
@@ -30,6 +30,7 @@ from garmentimage.draft.panel import (
     placed,
 )
 from garmentimage.draft.parts.bodice import BodiceBlock, armhole
+from garmentimage.draft.parts.cuff import add_band, add_turn_up
 from garmentimage.errors import DraftError
 from garmentimage.geometry import Bezier
 
@@ -82,9 +83,9 @@ def add_sleeves(
     """
     if design.sleeves == "none":
         return
-    cuffed = cuffs is not None and cuffs.cuffs != "none"
+    bands = cuffs if cuffs is not None and cuffs.cuffs == "band" else None
     lengths = {facing: garment.length(armholes[facing, LEFT]) for facing in FACINGS}
-    halves = sleeve_halves(block.body, design, lengths, cuffs if cuffed else None)
+    halves = sleeve_halves(block.body, design, lengths, bands)
     rules.check_sleeve(-sum(h.cap.end[1] for h in halves.values()), block.body.upper_arm_girth)
     distances = {f: beside(block, halves[f].cap, f) + GAP for f in FACINGS}
     for side in SIDES:
@@ -94,17 +95,19 @@ def add_sleeves(
             garment.sew(panels[FRONT].seam(seam), panels[BACK].seam(seam))
         for facing, panel in panels.items():
             garment.sew(panel.seam("cap"), armholes[facing, side], fullness=design.cap_fullness)
-        if cuffed and cuffs is not None:
-            add_cuff(garment, panels, cuffs, side)
+        if bands is not None:
+            add_band(garment, panels, bands, side)
+        elif cuffs is not None and cuffs.cuffs == "turned-up":
+            add_turn_up(garment, panels, cuffs, side)
 
 
 def sleeve_halves(
     body: BodyMeasurements,
     design: SleeveDesign,
     armholes: dict[str, float],
-    cuffs: CuffDesign | None,
+    bands: CuffDesign | None,
 ) -> dict[str, SleeveHalf]:
-    """Front and back half of a sleeve for armholes of the given lengths."""
+    """Front and back half of a sleeve for armholes of the given lengths, wide enough for bands."""
     height = design.cap_height * sum(armholes.values()) / 2
     caps = {f: cap_curve(height, design.cap_fullness * armholes[f], f) for f in FACINGS}
     length = design.sleeve_length * body.arm_length
@@ -119,8 +122,8 @@ def sleeve_halves(
     end = width + design.sleeve_taper * (min(arm + CLOSE_EASE / 2, width) - width)
     if design.sleeve_taper < 0:
         end = width * (1 - design.sleeve_taper)
-    if cuffs is not None:
-        end = max(end, (arm + CUFF_EASE / 2) * cuffs.cuff_fullness)
+    if bands is not None:
+        end = max(end, (arm + CUFF_EASE / 2) * bands.cuff_fullness)
     narrowing = width - end
     return {f: SleeveHalf(c, length, -c.end[1] - narrowing) for f, c in caps.items()}
 
@@ -180,31 +183,3 @@ def beside(block: BodiceBlock, cap: Bezier, facing: str) -> float:
     heights = np.concatenate([arm_y, cap_y])
     bodice = np.interp(heights, arm_y, arm_x, left=side)
     return float((bodice - np.interp(heights, cap_y, cap_x)).max())
-
-
-def add_cuff(
-    garment: Assembly, panels: dict[str, PanelDraft], design: CuffDesign, side: str
-) -> None:
-    """Sew a cuff to the end of a sleeve."""
-    cuffs = {}
-    for facing, sleeve in panels.items():
-        wrist = sleeve.seam("wrist")
-        width = garment.length(wrist) / design.cuff_fullness
-        depth = design.cuff_depth
-        outline: Outline = (
-            *lines("cuff_under", (0.0, -width), (depth, -width)),
-            *lines("cuff_end", (depth, -width), (depth, 0.0)),
-            *lines("cuff_upper", (depth, 0.0), (0.0, 0.0)),
-            *lines("cuff_top", (0.0, 0.0), (0.0, -width)),
-        )
-        reach = max(abs(p[0]) for n in sleeve.outline for p in (n.curve.start, n.curve.end))
-        x, y, z = sleeve.translation
-        drop = (garment.length(wrist) - width) / 2
-        away = 1 if side == LEFT else -1
-        origin = (x + away * (reach + GAP), y - drop, abs(z))
-        name = f"{side}_cuff_{facing}"
-        cuffs[facing] = placed(name, outline, facing, origin, side=side, label="arm", grain=ALONG)
-        garment.add(cuffs[facing])
-        garment.sew(wrist, cuffs[facing].seam("cuff_top"), fullness=design.cuff_fullness)
-    for seam in ("cuff_upper", "cuff_under"):
-        garment.sew(cuffs[FRONT].seam(seam), cuffs[BACK].seam(seam))

@@ -4,6 +4,7 @@ from .folding import (
     from_seams as from_seams,
     lay_onto as lay_onto,
     lie_over as lie_over,
+    stand_up as stand_up,
 )
 from .placement import (
     EASE as EASE,

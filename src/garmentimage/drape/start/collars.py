@@ -17,7 +17,8 @@ def lay_collar(cloth: Cloth, corners: np.ndarray, landmarks: Landmarks) -> None:
     for k, panel in enumerate(cloth.pattern.panels):
         x, y, z = corners[cloth.panel == k].T
         level = abs(panel.matrix[2, 2]) > FRONTAL and np.ptp(y) < min(np.ptp(x), MAX_COLLAR_HEIGHT)
-        if level and y.min() > over:
+        # What lies on an outer cloth layer, as the fall of a collar, is put on later.
+        if level and y.min() > over and not panel.cloth_layer:
             strips[1 if z.mean() > neck else -1].append(k)
     own = {side: np.isin(cloth.panel, numbers) for side, numbers in strips.items()}
     if not all(half.any() for half in own.values()):

@@ -8,7 +8,7 @@ along the legs (`legs`). What is sewn to itself all round is laid round the body
 the cloth is as long as the flat panels all the same.
 """
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 import numpy as np
 from jaxtyping import Float
@@ -25,9 +25,15 @@ from garmentimage.drape.start.tubes import roll_tubes
 
 
 def start_points(
-    cloth: Cloth, body: Body, placements: Sequence[Placement] = ()
+    cloth: Cloth,
+    body: Body,
+    placements: Sequence[Placement] = (),
+    later: Set[str] = frozenset(),
 ) -> Float[np.ndarray, "vertex 3"]:
-    """Where every vertex of placed panels begins: halfway between the corners sewn into it [cm]."""
+    """Where every vertex of placed panels begins: halfway between the corners sewn into it [cm].
+
+    Panels that are put on `later`, named, do not draw on what they are sewn to.
+    """
     corners = np.empty((len(cloth.flat), 3))
     flat, outward = folded_flat(cloth)
     for k, panel in enumerate(cloth.pattern.panels):
@@ -49,4 +55,18 @@ def start_points(
     if {"left_hip_joint", "left_ankle_joint", "crotch"} <= landmarks.keys():
         for side in (1, -1):
             shift_leg(cloth, corners, landmarks, side)
+    if later:
+        corners = _without(cloth, corners, later)
     return cloth.sewn(corners)
+
+
+def _without(cloth: Cloth, corners: np.ndarray, later: Set[str]) -> np.ndarray:
+    """Corners of the panels `later` where those of the others are that they are sewn to."""
+    names = np.array([panel.name for panel in cloth.pattern.panels])
+    others = ~np.isin(names, list(later))[cloth.panel]
+    on = np.flatnonzero(others)
+    count = np.bincount(cloth.vertex[on], minlength=cloth.vertex_count)
+    total = [np.bincount(cloth.vertex[on], c, cloth.vertex_count) for c in corners[on].T]
+    middle = np.stack(total, axis=1) / np.maximum(count, 1)[:, None]
+    moved = ~others & (count[cloth.vertex] > 0)
+    return np.where(moved[:, None], middle[cloth.vertex], corners)
