@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from garmentimage import decode, draft_pattern, encode
+from garmentimage import EncodeError, decode, draft_pattern, encode
 from garmentimage.compare import compare_patterns
 from garmentimage.pattern import Pattern, tube_sides
 from garmentimage.raster import EdgeType
@@ -60,3 +60,13 @@ def test_a_slit_ring_is_not_a_tube():
 def test_a_tube_that_is_seen_from_its_side_has_its_seam_on_the_other_side():
     panel = rectangle("tube", 90.0, 60.0, (15.0, 70.0, 0.0), (0.0, 90.0, 0.0))
     assert_back(Pattern((panel,), (stitch("tube", 1, "tube", 3),)))
+
+
+def test_a_poncho_of_one_panel_is_told_to_be_cut_through_its_hole():
+    hole = rectangle("", 20.0, 18.0, (0.0, 0.0, 0.0)).outline
+    panel = rectangle("poncho", 120.0, 120.0, (0.0, 142.0, 0.0), (-90.0, 0.0, 0.0), (hole,))
+    with pytest.raises(
+        EncodeError, match=r"'poncho' wraps .* cut it there, through the hole"
+    ) as told:
+        encode(Pattern((panel,), ()))
+    assert told.value.remedy == "pattern"

@@ -363,6 +363,7 @@ def part_with_hole(
             return one
     raise EncodeError(
         f"panel {part.name!r} wraps round the body and a hole lies across the line where it "
-        "must be split in a front and a back part; split the panel there in the pattern",
+        "must be split in a front and a back part; cut it there, through the hole, and sew its "
+        "parts together",
         remedy="pattern",
     )
