@@ -145,7 +145,7 @@ class _AlongSeam(NamedTuple):
     Each keeps its place along the seam and its distance from it.
     """
 
-    opened: Float[np.ndarray, "n 2"]  # one panel goes on where the other ends
+    opened: Float[np.ndarray, "n 2"]  # one panel begins where the other ends
     folded: Float[np.ndarray, "n 2"]  # one panel lies on the other
     part: Int[np.ndarray, " n"]  # which part of the seam is nearest
     share: Float[np.ndarray, " n"]  # at which share of that part
