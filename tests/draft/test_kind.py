@@ -358,7 +358,9 @@ def test_a_turned_up_cuff_is_wider_than_the_sleeve_beneath_it(design):
 def test_a_cuff_is_not_turned_up_into_the_armhole():
     short = {"sleeve_length": 0.4, "cap_height": 0.42, "armhole_ease": 4.0, "cuff_depth": 7.0}
     assert draft_pattern("turtleneck", "short-round-female", **short).panels
-    with pytest.raises(DraftError, match=r"turned up by 7.0 cm, but the sleeve is [78][.][0-9] cm long"):
+    with pytest.raises(
+        DraftError, match=r"turned up by 7.0 cm, but the sleeve is [78][.][0-9] cm long"
+    ):
         draft_pattern("turtleneck", "short-round-female", cuffs="turned-up", **short)
 
 
