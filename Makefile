@@ -85,6 +85,7 @@ picture: $(VENV)/ready
 	$(BIN)/garmentimage gallery -o docs/images/gallery.png
 	$(BIN)/python scripts/draw_worn.py docs/images/worn.png
 	$(BIN)/python scripts/draw_algorithms.py docs/images
+	$(BIN)/python scripts/draw_cloth_on_cloth.py docs/images/cloth-on-cloth.png
 	mkdir -p out && for kind in one-panel-jumpsuit top-pants one-panel-dress; do \
 		$(BIN)/garmentimage draft $$kind -o out/$$kind.json; done
 	$(BIN)/garmentimage transfer out/one-panel-jumpsuit.json out/top-pants.json \

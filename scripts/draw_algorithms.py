@@ -1,7 +1,6 @@
 """Draw the pictures of the pages on concepts and algorithms, from bundled patterns.
 
-    python scripts/draw_algorithms.py [FOLDER]
-        [--only encode channels frame decode repair drape cloth]
+    python scripts/draw_algorithms.py [FOLDER] [--only encode channels frame decode repair drape]
 
 Every picture shows what the package computes, taken from its own functions step by step.
 """
@@ -575,37 +574,6 @@ def _triangles(cloth) -> Figure:
     return figure
 
 
-CLOTH_ON_CLOTH = (
-    ("blazer", {"lapel_shape": "notched"}),
-    ("pocket-skirt", {}),
-    ("pleated-skirt", {"pleats": "knife"}),
-)
-
-
-def cloth_pictures(folder: Path) -> None:
-    """Patterns with lapels, pockets and pleats, their images, and how they are worn."""
-    figure = Figure(figsize=(13.0, 13.0))
-    grid = figure.add_gridspec(
-        len(CLOTH_ON_CLOTH),
-        3,
-        width_ratios=(1.5, 1.5, 0.5),
-        left=0.02,
-        right=0.98,
-        top=0.99,
-        bottom=0.06,
-    )
-    for row, (kind, parameters) in enumerate(CLOTH_ON_CLOTH):
-        pattern = gi.draft_pattern(kind, **parameters)
-        pattern_ax, image_ax, worn_ax = (figure.add_subplot(grid[row, k]) for k in range(3))
-        draw_pattern(pattern, pattern_ax)
-        draw_image(gi.encode(pattern, GRID), image_ax, legend=False)
-        colour = gi.photograph(gi.drape_pattern(pattern), view="turned", size=PIXELS).colour
-        worn_ax.imshow(colour[:, PIXELS // 4 : -PIXELS // 4])
-        worn_ax.set_axis_off()
-    legend(figure, 0.02, (*PLAIN_TYPES, EdgeType.ONTO, EdgeType.CREASE))
-    save(figure, folder / "cloth-on-cloth.png")
-
-
 PICTURES: dict[str, Callable[[Path], None]] = {
     "encode": encode_pictures,
     "channels": channel_pictures,
@@ -613,7 +581,6 @@ PICTURES: dict[str, Callable[[Path], None]] = {
     "decode": decode_pictures,
     "repair": repair_pictures,
     "drape": drape_pictures,
-    "cloth": cloth_pictures,
 }
 
 
