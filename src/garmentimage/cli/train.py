@@ -62,10 +62,23 @@ train = group_of_verbs(
 
 @train.command
 def vae(
-    *, run: RunOptions, beta: Beta = None, settings: Settings = SETTINGS, json: Json = False
+    *,
+    run: RunOptions,
+    beta: Beta = None,
+    contract: Annotated[Literal[1, 2] | None, Parameter(show_default=False)] = None,
+    layers: Annotated[Literal[2, 4] | None, Parameter(show_default=False)] = None,
+    settings: Settings = SETTINGS,
+    json: Json = False,
 ) -> None:
-    """Train the VAE of GarmentImages."""
-    _train("vae", run, settings, as_json=json, beta=beta)
+    """Train the VAE of GarmentImages.
+
+    Args:
+        contract: Channel contract of its images: 2 for garments with panels that wrap round or are
+            turned, with pockets or pleats. Without it, 1.
+        layers: Layers of its images: 4 for garments with cloth on cloth, with contract 2. Without
+            it, 2.
+    """
+    _train("vae", run, settings, as_json=json, beta=beta, contract=contract, layers=layers)
 
 
 @train.command

@@ -47,7 +47,7 @@ class RasterCodec(Codec):
 
     def latents(self, patterns: Sequence[Pattern]) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of some garments."""
-        images = [self.space.image(pattern).to_channels() for pattern in patterns]
+        images = [self.space.channels(self.space.image(pattern)) for pattern in patterns]
         return self.space.encode_channels(np.stack(images))
 
     def symmetrised_for(self, pattern: Pattern) -> "RasterCodec":

@@ -17,10 +17,12 @@ from garmentimage.compare import match_panels, pattern_faults
 from garmentimage.errors import DecodeError, LearnError
 from garmentimage.networks import (
     CONFIG_FILE,
+    LATENT_CONTRACTS,
     DecodedGarment,
     Latent,
     OnnxNetwork,
     bundled_names,
+    channel_layout,
     damaged_file,
     decoded_garment,
     network_folder,
@@ -29,10 +31,17 @@ from garmentimage.networks import (
     topology_or_empty,
 )
 from garmentimage.pattern import Pattern
-from garmentimage.raster import GarmentImage, mirrored_channels
+from garmentimage.raster import (
+    CONTRACTS,
+    PLAIN_LAYOUT,
+    Contract,
+    GarmentImage,
+    mirrored_channels,
+)
 from garmentimage.raster.decode import decode
 from garmentimage.raster.encode import encode
 from garmentimage.raster.repair import RepairLevel
+from garmentimage.system import shown_path
 
 ENCODER_FILE, DECODER_FILE, GARMENTS_FILE = "encoder.onnx", "decoder.onnx", "garments.npz"
 DEFAULT_SPACE = "vae-variety"
@@ -71,12 +80,19 @@ class LatentSpace:
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
-        self.config = read_config(self.folder, ("grid", "latent"))
+        self.config = read_config(self.folder, ("grid", "latent"), LATENT_CONTRACTS)
+        try:
+            self.layout = channel_layout(
+                self.config["channels_contract"], self.config.get("layers", PLAIN_LAYOUT.layers)
+            )
+        except LearnError as error:
+            raise LearnError(f"{shown_path(self.folder / CONFIG_FILE)}: {error}") from None
         recipe, seed = self.config.get("recipe"), self.config.get("seed")
         if not isinstance(recipe, str) or type(seed) is not int or not 0 <= seed < 2**63:
             raise damaged_file(self.folder / CONFIG_FILE)
         self.is_symmetric = False  # whether decoded images are symmetrised, see `symmetrised_for`
-        channels, z = ("channels", [34, self.grid, self.grid]), ("z", [self.latent])
+        size = [self.layout.channels, self.grid, self.grid]
+        channels, z = ("channels", size), ("z", [self.latent])
         self._encoder = OnnxNetwork(self.folder / ENCODER_FILE, dict([channels, z]))
         self._decoder = OnnxNetwork(self.folder / DECODER_FILE, dict([z, channels]))
 
@@ -103,20 +119,29 @@ class LatentSpace:
         """The latent vector of a garment.
 
         Raises:
-            LearnError: an image of another grid, or of more than one cloth layer.
+            LearnError: an image that this network does not take, see `image`.
             EncodeError: a pattern that does not fit the grid.
         """
-        z: Latent = self.encode_channels(self.image(source).to_channels(1)[None])[0]
+        z: Latent = self.encode_channels(self.channels(self.image(source))[None])[0]
         return z
+
+    def channels(self, image: GarmentImage) -> Float32[np.ndarray, "channel row col"]:
+        """Channels of an image that `image` checked, as input of this network.
+
+        Garments with fewer layers than the network has get empty ones.
+        """
+        number: Contract = 1 if self.layout.contract == CONTRACTS[1] else 2
+        return image.to_channels(number, layers=self.layout.layers)
 
     def image(self, source: Pattern | GarmentImage) -> GarmentImage:
         """The image of a garment, checked as input of this network.
 
-        Panels that wrap round the body are cut in a front and a back part, as it knows them.
+        For a network of contract 1, panels that wrap round the body are cut in a front and a back
+        part, as it knows them.
 
         Raises:
-            LearnError: an image of another grid, of more than one cloth layer, without cloth, or
-                with turned panels.
+            LearnError: an image of another grid, of more layers than the network has, without
+                cloth, or, for a network of contract 1, with turned panels or creases.
             EncodeError: a pattern that does not fit the grid.
         """
         if not isinstance(source, Pattern | GarmentImage):
@@ -125,10 +150,16 @@ class LatentSpace:
                 "load_pattern(path) and load_image(path) read them"
             )
         image = encode(source, self.grid) if isinstance(source, Pattern) else source
-        if image.grid != self.grid or image.layers != 2:
+        layers = self.layout.layers
+        if image.grid == self.grid and image.layers > layers:
+            raise LearnError(
+                f"the garment has a second sheet of cloth ({image.layers} layers) and the network "
+                f"{layers} layers: train one with --contract 2 --layers {image.layers}"
+            )
+        if image.grid != self.grid or image.layers < 2:
             raise LearnError(
                 f"an image of {image.layers} layers of {image.grid} x {image.grid} cells; this "
-                f"network takes 2 of {self.grid} x {self.grid}"
+                f"network takes {layers} of {self.grid} x {self.grid}"
             )
         if not image.inside.any():
             raise LearnError("an image without a cell of cloth; give one of a garment")
@@ -136,22 +167,30 @@ class LatentSpace:
             raise LearnError(
                 f"an image with an edge vector of more than {MAX_EDGE_CM:g} cm; give it in cm"
             )
+        if self.layout.contract != CONTRACTS[1]:
+            return image
         if image.turned.any():
             raise LearnError(
                 "a garment with panels that are sewn right side to wrong side, as collars and "
-                "lapels are; this network was trained on none"
+                "lapels are; this network was trained on none: train one with --contract 2"
             )
-        return image.cut_at_wraps()
+        image = image.cut_at_wraps()
+        if image.contract != 1:
+            raise LearnError(
+                "a garment with pressed pleats; this network was trained on none: train one with "
+                "--contract 2"
+            )
+        return image
 
     def encode_channels(
-        self, channels: Float32[np.ndarray, "n 34 row col"]
+        self, channels: Float32[np.ndarray, "n channel row col"]
     ) -> Float32[np.ndarray, "n latent"]:
         """Latent vectors of images: means of the encoder's posterior."""
         return self._encoder(channels)
 
     def decode_channels(
         self, z: Float32[np.ndarray, "n latent"]
-    ) -> Float32[np.ndarray, "n 34 row col"]:
+    ) -> Float32[np.ndarray, "n channel row col"]:
         """Channels of latent vectors: probabilities, and vectors in cm, not repaired."""
         channels = self._decoder(z)
         return (channels + mirrored_channels(channels)) / 2 if self.is_symmetric else channels
@@ -161,7 +200,7 @@ class LatentSpace:
 
         Decoded images are then averaged with their mirror images.
         """
-        channels = image.cut_at_wraps().to_channels()[None]
+        channels = self.channels(self.image(image))[None]
         found = copy(self)
         found.is_symmetric = bool(
             np.abs(channels - mirrored_channels(channels)).max() < SYMMETRY_TOLERANCE_CM

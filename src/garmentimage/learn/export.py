@@ -17,7 +17,7 @@ from torch import Tensor, nn
 
 from garmentimage.errors import DatasetError
 from garmentimage.latent import DECODER_FILE, ENCODER_FILE, GARMENTS_FILE
-from garmentimage.learn.data import INPUT_CHANNELS, ImageSplit, LabelledRasters, recolour_cloth
+from garmentimage.learn.data import ImageSplit, LabelledRasters, recolour_cloth
 from garmentimage.learn.models import Cascade, GarmentVAE, network_inputs, output_channels
 from garmentimage.networks import CONFIG_FILE
 from garmentimage.predict import (
@@ -75,7 +75,8 @@ def export_vae(
         folder: where to write.
     """
     model = model.cpu().eval()
-    channels = torch.zeros(2, INPUT_CHANNELS, model.config.grid, model.config.grid)
+    config = model.config
+    channels = torch.zeros(2, config.layout.channels, config.grid, config.grid)
     encoder = _Function(model, lambda x: model.encode(network_inputs(x))[0])
     decoder = _Function(model, lambda z: output_channels(model.decode(z)))
     files = {

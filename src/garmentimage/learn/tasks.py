@@ -11,6 +11,8 @@ from garmentimage.errors import LearnError
 from garmentimage.learn.data import TensorRows
 from garmentimage.learn.export import CARD_FILE, export_cascade, export_vae, export_weights
 from garmentimage.learn.weights import Network
+from garmentimage.networks import channel_layout
+from garmentimage.raster import CONTRACTS, Contract
 from garmentimage.system import weights_hash, write_atomically
 
 SPLITS = "train", "validation"
@@ -26,6 +28,10 @@ class TaskOptions:
     """Folder of the dataset."""
     beta: float | None = None
     """Weight of the prior; None for the network's default. For VAEs."""
+    contract: Contract | None = None
+    """Channel contract, None for 1. For the VAE of GarmentImages."""
+    layers: int | None = None
+    """Layers of its images, None for two; more need contract 2."""
     without: tuple[str, ...] = ()
     """Garment types that are left out. For networks that take images."""
     ablate: tuple[str, ...] = ()
@@ -59,16 +65,25 @@ class TrainingTask:
 
 
 def vae_task(options: TaskOptions) -> TrainingTask:
-    """The VAE of GarmentImages."""
+    """The VAE of GarmentImages.
+
+    Raises:
+        LearnError: contract 1 with more than two layers.
+    """
     from garmentimage.learn.data import read_rasters
     from garmentimage.learn.models import GarmentVAE, vae_config
 
-    train_set, held_out = (read_rasters(options.data, split) for split in SPLITS)
-    config = vae_config(train_set.rasters.grid, **_beta(options))
+    contract, layers = CONTRACTS[options.contract or 1].name, options.layers or 2
+    layout = channel_layout(contract, layers)
+    train_set, held_out = (read_rasters(options.data, split, layout) for split in SPLITS)
+    config = vae_config(
+        train_set.rasters.grid, channels_contract=contract, layers=layers, **_beta(options)
+    )
+    sheets = "front and back" if layers == 2 else f"{layers} layers"
     return TrainingTask(
         title="GarmentImage VAE",
         summary="A variational autoencoder of GarmentImages, after Section 4.1 of the paper, its "
-        f"encoder one linear map: front and back of {config.grid} x {config.grid} cells to "
+        f"encoder one linear map: {sheets} of {config.grid} x {config.grid} cells to "
         f"{config.latent} numbers and back.",
         usage=f"{FOR_TRAINING}, the two `.onnx` files for use without torch: `garmentimage "
         "interpolate A.json B.json --space FOLDER -o out`. Their weights are 16-bit floats.",

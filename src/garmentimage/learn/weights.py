@@ -56,6 +56,10 @@ class ImageNetworkConfig(NetworkConfig):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self.check_channels()
+
+    def check_channels(self) -> None:
+        """Refuse channels that the network cannot have: most know contract 1 alone."""
         check_contract(self.channels_contract)
 
 

@@ -17,9 +17,11 @@ from .pictures import (
 )
 from .runtime import (
     CONFIG_FILE as CONFIG_FILE,
+    LATENT_CONTRACTS as LATENT_CONTRACTS,
     WEIGHTS_FOLDER as WEIGHTS_FOLDER,
     OnnxNetwork as OnnxNetwork,
     bundled_names as bundled_names,
+    channel_layout as channel_layout,
     check_contract as check_contract,
     damaged_file as damaged_file,
     network_folder as network_folder,

@@ -11,12 +11,20 @@ import numpy as np
 from jaxtyping import Float, Float32
 
 from garmentimage.errors import LearnError, quoted
-from garmentimage.raster import CHANNEL_CONTRACT
+from garmentimage.raster import (
+    CHANNEL_CONTRACT,
+    CONTRACTS,
+    MAX_LAYERS,
+    PLAIN_LAYOUT,
+    ChannelLayout,
+)
 from garmentimage.system import did_you_mean, shown_path
 
 WEIGHTS_FOLDER = Path(str(files("garmentimage") / "weights"))
 """Folder of the bundled networks."""
 CONFIG_FILE = "config.json"
+LATENT_CONTRACTS = tuple(contract.name for contract in CONTRACTS.values())
+"""Channel contracts that latent spaces are made for."""
 MAX_VALUE = 1e6
 """Output with larger numbers is invalid."""
 
@@ -49,25 +57,45 @@ def network_folder(name: str | Path, known: Sequence[str], what: str) -> Path:
     raise LearnError(f"there is no {what} {quoted(str(name))}; {hint}name the folder of one")
 
 
-def check_contract(found: object) -> None:
-    """Refuse a network that was made for another channel layout than this version's.
+def check_contract(found: object, known: Sequence[str] = (CHANNEL_CONTRACT,)) -> None:
+    """Refuse a network that was made for another channel contract than those known for its kind.
 
     Raises:
         LearnError: it was.
     """
-    if found != CHANNEL_CONTRACT:
+    if found not in known:
         raise LearnError(
             f"was made for channels {quoted(str(found))}, and this version has "
-            f"{CHANNEL_CONTRACT!r}; train it again, or use the version that trained it"
+            f"{' and '.join(map(repr, known))}; train it again, or use the version that trained it"
         )
 
 
-def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
+def channel_layout(contract: object, layers: object) -> ChannelLayout:
+    """The channels of a network, from its configuration.
+
+    Raises:
+        LearnError: no contract of this version, or a number of layers that it does not have.
+    """
+    check_contract(contract, LATENT_CONTRACTS)
+    if type(layers) is not int or layers % 2 or not 2 <= layers <= MAX_LAYERS:
+        raise LearnError(
+            f"has {quoted(str(layers))} layers; give 2, front and back, or 4 with a second sheet"
+        )
+    if contract == CHANNEL_CONTRACT and layers != PLAIN_LAYOUT.layers:
+        raise LearnError(f"contract 1 has two layers, not {layers}; train with --contract 2")
+    (chosen,) = (each for each in CONTRACTS.values() if each.name == contract)
+    return ChannelLayout(chosen, layers)
+
+
+def read_config(
+    folder: Path, sizes: Sequence[str], known: Sequence[str] = (CHANNEL_CONTRACT,)
+) -> dict[str, Any]:
     """The configuration of a network.
 
     Args:
         folder: of the network.
         sizes: names of the whole numbers that it must have.
+        known: channel contracts that its kind may have.
 
     Raises:
         LearnError: it is missing, damaged, or of another channel layout.
@@ -77,7 +105,7 @@ def read_config(folder: Path, sizes: Sequence[str]) -> dict[str, Any]:
         config: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         if not all(type(config[name]) is int and 1 <= config[name] <= 4096 for name in sizes):
             raise ValueError
-        check_contract(config.get("channels_contract"))
+        check_contract(config.get("channels_contract"), known)
         return config
     except FileNotFoundError:
         raise LearnError(

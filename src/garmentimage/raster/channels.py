@@ -55,6 +55,38 @@ CONTRACT_2 = ChannelContract("garmentimage-2", 2, 8)
 CONTRACTS = {1: CONTRACT_1, 2: CONTRACT_2}
 Contract = Literal[1, 2]
 
+
+@dataclass(frozen=True)
+class ChannelLayout:
+    """How many channels of each sort an image has, by its contract and number of layers."""
+
+    contract: ChannelContract
+    layers: int
+
+    @property
+    def flags(self) -> int:
+        """Channels of flags."""
+        return self.layers * self.contract.flag_count
+
+    @property
+    def types(self) -> int:
+        """Channels of edge types, one-hot."""
+        return 2 * self.layers * self.contract.edge_type_count
+
+    @property
+    def vectors(self) -> int:
+        """Channels of edge vectors."""
+        return 2 * self.layers * VECTOR_COUNT
+
+    @property
+    def channels(self) -> int:
+        """Channels in all."""
+        return self.layers * self.contract.channels_per_layer
+
+
+PLAIN_LAYOUT = ChannelLayout(CONTRACT_1, 2)
+"""Front and back as in the paper, 34 channels."""
+
 CHANNELS_PER_LAYER = CONTRACT_1.channels_per_layer
 EDGE_TYPE_COUNT = CONTRACT_1.edge_type_count
 CHANNEL_CONTRACT = CONTRACT_1.name
@@ -86,6 +118,16 @@ def contract_of(channel_count: int) -> ChannelContract:
     each = " or ".join(str(contract.channels_per_layer) for contract in CONTRACTS.values())
     two = " or ".join(str(2 * contract.channels_per_layer) for contract in CONTRACTS.values())
     raise ImageError(f"{channel_count} channels; each layer has {each} ({two} for two)")
+
+
+def layout_of(channel_count: int) -> ChannelLayout:
+    """The contract and the layers of so many channels in all.
+
+    Raises:
+        ImageError: neither contract has so many.
+    """
+    contract = contract_of(channel_count)
+    return ChannelLayout(contract, channel_count // contract.channels_per_layer)
 
 
 def split_channels(channels: Array) -> ChannelParts:

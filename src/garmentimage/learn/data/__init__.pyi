@@ -21,7 +21,6 @@ from .pattern_vectors import (
     to_vectors as to_vectors,
 )
 from .rasters import (
-    INPUT_CHANNELS as INPUT_CHANNELS,
     LAYERS as LAYERS,
     VECTOR_CM as VECTOR_CM,
     LabelledRasters as LabelledRasters,

@@ -44,7 +44,7 @@ class ImagedGarments(ImageRows):
     @property
     def rasters(self) -> Rasters:
         """Their rasters alone."""
-        return Rasters(self.inside, self.types, self.vectors)
+        return Rasters(self.inside, self.types, self.vectors, self.inside[:, :0])
 
     def mirrored(self, which: Bool[Tensor, " n"]) -> "ImagedGarments":
         """The same, with left and right exchanged for the garments that `which` selects."""
@@ -104,9 +104,10 @@ def load_split(folder: str | Path, split: str, *, without: Collection[str] = ())
             for name, read in ((PICTURE_COLUMN, read_pixels), (PANELS_COLUMN, read_panel_map))
         )
         arrays = pictures, [each > BODY_LABEL for each in maps], [waist_rows(each) for each in maps]
-        tensors = (torch.from_numpy(np.stack(each)) for each in arrays)
+        tensors = [torch.from_numpy(np.stack(each)) for each in arrays]
         rasters = column_rasters(table["raster"], folder)
-        parts.append(ImagedGarments(*tensors, *vars(rasters).values()))
+        cloth = [rasters.inside, rasters.types, rasters.vectors]
+        parts.append(ImagedGarments(*tensors, *cloth))
         for name, values in columns.items():
             values += table[name].to_pylist()
     garments = join_rows(parts, folder, split)

@@ -19,6 +19,7 @@ from garmentimage.learn.data.text_encoder import embed_texts
 from garmentimage.learn.models import GarmentVAE, VectorVAE
 from garmentimage.learn.weights import load_weights
 from garmentimage.networks import CONFIG_FILE
+from garmentimage.raster import PLAIN_LAYOUT
 from garmentimage.system import shown_path
 
 PROMPTS_PER_GARMENT = 8
@@ -44,7 +45,7 @@ def split_encoder(vae: Path) -> Callable[[ImageSplit], LatentImages]:
         vae: folder of the network.
 
     Raises:
-        LearnError: the folder holds no VAE.
+        LearnError: the folder holds no VAE, or one of contract 2.
     """
     try:
         is_vectors = "vertices" in json.loads((vae / CONFIG_FILE).read_text(encoding="utf-8"))
@@ -60,6 +61,11 @@ def split_encoder(vae: Path) -> Callable[[ImageSplit], LatentImages]:
             ),
         )
     model = load_weights(GarmentVAE, vae)
+    if model.config.layout != PLAIN_LAYOUT:
+        raise LearnError(
+            f"{shown_path(vae)}: is a VAE of contract 2, and latent vectors become pictures with "
+            "one of contract 1; train one without --contract"
+        )
     return lambda split: _latent_images(
         split, (model.encode(part.inputs()) for part in split.garments.rasters.parts())
     )

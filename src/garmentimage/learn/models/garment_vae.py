@@ -12,6 +12,7 @@ plus beta times the Kullback-Leibler divergence from N(0, 1).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from jaxtyping import Float
@@ -20,14 +21,21 @@ from torch.nn import functional
 
 from garmentimage.errors import LearnError
 from garmentimage.learn.blocks import FiLMBlock
-from garmentimage.learn.data import INPUT_CHANNELS, LAYERS, VECTOR_CM, Rasters, rest_vectors
+from garmentimage.learn.data import VECTOR_CM, Rasters, rest_vectors
 from garmentimage.learn.weights import ImageNetworkConfig, Network
-from garmentimage.raster import EDGE_TYPE_COUNT, join_channels, split_channels
+from garmentimage.networks import channel_layout
+from garmentimage.raster import (
+    PLAIN_LAYOUT,
+    ChannelLayout,
+    join_channels,
+    layout_of,
+    split_channels,
+)
 
-FLAGS, TYPES = LAYERS, 2 * LAYERS * EDGE_TYPE_COUNT
-VECTORS = INPUT_CHANNELS - FLAGS - TYPES
+FLAGS, TYPES, VECTORS = PLAIN_LAYOUT.flags, PLAIN_LAYOUT.types, PLAIN_LAYOUT.vectors
 MAPS = [FLAGS, TYPES, VECTORS]
-"""Channels of flags, edge types and edge vectors, in this order in a network's images."""
+"""Channels of flags, edge types and edge vectors, in this order in the images of a network of
+contract 1."""
 LEVELS: Mapping[int, tuple[int, ...]] = {16: (64, 128, 128), 32: (32, 64, 128, 128)}
 """Channels of each level by grid size, down to 4 x 4 cells."""
 
@@ -48,9 +56,23 @@ class GarmentVAEConfig(ImageNetworkConfig):
     """Weight of the cross-entropy at boundaries, relative to grid edges inside (NON_BOUNDARY)."""
     vector_weight: float = 2.0
     """Weight of the loss of edge vectors."""
+    layers: int = PLAIN_LAYOUT.layers
+    """Of its images; garments with fewer have empty ones. Contract 1 has two."""
+
+    @property
+    def layout(self) -> ChannelLayout:
+        """Contract and layers of its images."""
+        return channel_layout(self.channels_contract, self.layers)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _ = self.layout  # raises where contract and layers do not fit
+
+    def check_channels(self) -> None:
+        """Both contracts are known, see `layout`."""
 
 
-def vae_config(grid: int, **changes: float) -> GarmentVAEConfig:
+def vae_config(grid: int, **changes: Any) -> GarmentVAEConfig:
     """The configuration of a network for images of this size.
 
     Args:
@@ -63,7 +85,7 @@ def vae_config(grid: int, **changes: float) -> GarmentVAEConfig:
     if grid not in LEVELS:
         sizes = " or ".join(map(str, LEVELS))
         raise LearnError(f"images of {grid} x {grid} cells; networks are for N = {sizes}")
-    return GarmentVAEConfig(grid=grid, channels=LEVELS[grid], **changes)  # type: ignore[arg-type]
+    return GarmentVAEConfig(grid=grid, channels=LEVELS[grid], **changes)
 
 
 class GarmentVAE(Network):
@@ -73,7 +95,8 @@ class GarmentVAE(Network):
         super().__init__()
         self.config = config
         widths, low = config.channels, config.grid >> (len(config.channels) - 1)
-        self.to_latent = nn.Linear(INPUT_CHANNELS * config.grid**2, config.latent)
+        channels = config.layout.channels
+        self.to_latent = nn.Linear(channels * config.grid**2, config.latent)
         self.log_variance = nn.Parameter(torch.zeros(config.latent))
         self.positions = nn.ParameterList(
             nn.Parameter(0.1 * torch.randn(width, config.grid >> level, config.grid >> level))
@@ -88,14 +111,14 @@ class GarmentVAE(Network):
             )
             if level:
                 self.project.append(nn.Conv2d(widths[level], widths[level - 1], 1))
-        self.head = nn.Conv2d(widths[0], INPUT_CHANNELS, 3, padding=1)
+        self.head = nn.Conv2d(widths[0], channels, 3, padding=1)
 
-    def encode(self, inputs: Float[Tensor, "n 34 row col"]) -> tuple[Tensor, Tensor]:
+    def encode(self, inputs: Float[Tensor, "n channel row col"]) -> tuple[Tensor, Tensor]:
         """Mean and log variance of the posterior, each [n, latent]; one variance for all."""
         mean = self.to_latent(inputs.flatten(1))
         return mean, self.log_variance.clamp(-12, 4).expand_as(mean)
 
-    def decode(self, z: Float[Tensor, "n latent"]) -> Float[Tensor, "n 34 row col"]:
+    def decode(self, z: Float[Tensor, "n latent"]) -> Float[Tensor, "n channel row col"]:
         """Logits of flags and types, and vectors, in the order of `Rasters.inputs`."""
         top = len(self.positions) - 1
         x = self.from_latent(z).unflatten(1, tuple(self.positions[top].shape))
@@ -125,13 +148,16 @@ class GarmentVAE(Network):
 
 
 def image_losses(
-    outputs: Float[Tensor, "n 34 row col"],
+    outputs: Float[Tensor, "n channel row col"],
     truth: Rasters,
     boundary_weight: float,
     *,
     squared: bool = False,
 ) -> dict[str, Tensor]:
     """Reconstruction losses: cross-entropy of flags and edge types, smooth L1 of vectors inside.
+
+    Flags and types count for as much as they would in two layers of contract 1, so that further
+    layers, which are mostly empty, do not make an error in the others count for less.
 
     Args:
         outputs: logits of flags and types, and vectors, in the order of `Rasters.inputs`.
@@ -140,44 +166,55 @@ def image_losses(
         squared: squared errors of flags and vectors instead.
 
     Returns:
-        `flags` [nats per cell], `types` [nats per grid edge, boundaries times `boundary_weight`],
+        `flags` [nats per cell of front and back], `types` [nats per grid edge of front and back,
+        boundaries times `boundary_weight`],
         and `vectors` [mean |difference| in `VECTOR_CM`, quadratic below 1 mm].
     """
-    flags, types, vectors = outputs.split(MAPS, 1)
-    inside, edge_types = truth.inside.float(), truth.types.long()
+    layout = truth.layout
+    flags, types, vectors = outputs.split([layout.flags, layout.types, layout.vectors], 1)
+    true_flags, edge_types = truth.flags().float(), truth.types.long()
     weight = torch.where(edge_types > 0, boundary_weight, 1.0)
-    logits = types.unflatten(1, (2 * LAYERS, EDGE_TYPE_COUNT)).transpose(1, 2)
+    by_edge = 2 * layout.layers, layout.contract.edge_type_count
+    logits = types.unflatten(1, by_edge).transpose(1, 2)
     cross_entropy = functional.cross_entropy(logits, edge_types, reduction="none")
-    is_cloth = inside.repeat_interleave(8, 1)
+    is_cloth = truth.inside.float().repeat_interleave(8, 1)
     vectors, true_vectors = vectors * is_cloth, truth.vectors.float()
     if squared:
-        flag_loss = functional.mse_loss(flags.sigmoid(), inside)
+        flag_loss = functional.mse_loss(flags.sigmoid(), true_flags)
         differences = ((vectors - true_vectors) ** 2).sum()
     else:
-        flag_loss = functional.binary_cross_entropy_with_logits(flags, inside)
+        flag_loss = functional.binary_cross_entropy_with_logits(flags, true_flags)
         differences = functional.smooth_l1_loss(
             vectors, true_vectors, beta=0.1 / VECTOR_CM, reduction="sum"
         )
     return {
-        "flags": flag_loss,
-        "types": (weight * cross_entropy).mean(),
+        "flags": flag_loss * (layout.flags / PLAIN_LAYOUT.flags),
+        "types": (weight * cross_entropy).mean() * (layout.layers / PLAIN_LAYOUT.layers),
         "vectors": differences / is_cloth.sum(),
     }
 
 
-def network_inputs(channels: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
+def network_inputs(
+    channels: Float[Tensor, "n channel row col"],
+) -> Float[Tensor, "n channel row col"]:
     """Channels in the order of `GarmentImage.to_channels`, in the order of `Rasters.inputs`."""
-    inside, types, edges, _ = split_channels(channels)
+    inside, types, edges, turned = split_channels(channels)
     rest = torch.from_numpy(rest_vectors(channels.shape[-1])).to(channels).unflatten(0, (4, 2))
     vectors = (edges - rest) / VECTOR_CM * inside[:, :, None, None]
-    return torch.cat([inside, types.flatten(1, 3), vectors.flatten(1, 3)], 1)
+    flags = [inside] if turned is None else [inside, turned]
+    return torch.cat([*flags, types.flatten(1, 3), vectors.flatten(1, 3)], 1)
 
 
-def output_channels(outputs: Float[Tensor, "n 34 row col"]) -> Float[Tensor, "n 34 row col"]:
+def output_channels(
+    outputs: Float[Tensor, "n channel row col"],
+) -> Float[Tensor, "n channel row col"]:
     """Output of a network as channels for `decode`: probabilities, and vectors in cm."""
-    flags, types, vectors = outputs.split(MAPS, 1)
-    probabilities: Tensor = types.unflatten(1, (LAYERS, 2, EDGE_TYPE_COUNT)).softmax(3)
+    layout = layout_of(outputs.shape[1])
+    layers, contract = layout.layers, layout.contract
+    flags, types, vectors = outputs.split([layout.flags, layout.types, layout.vectors], 1)
+    probabilities: Tensor = types.unflatten(1, (layers, 2, contract.edge_type_count)).softmax(3)
     rest = torch.from_numpy(rest_vectors(outputs.shape[-1])).to(outputs).unflatten(0, (4, 2))
-    edges = vectors.unflatten(1, (LAYERS, 4, 2)) * VECTOR_CM + rest
-    channels: Tensor = join_channels(flags.sigmoid(), probabilities, edges)
+    edges = vectors.unflatten(1, (layers, 4, 2)) * VECTOR_CM + rest
+    inside, *turned = flags.sigmoid().split(layers, 1)
+    channels: Tensor = join_channels(inside, probabilities, edges, *turned)
     return channels
