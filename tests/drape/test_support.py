@@ -184,8 +184,14 @@ def square(size: float) -> Loop:
     [
         (Pattern((Panel("poncho", square(100.0), (square(20.0),)),)), "front and a back"),
         (
-            Pattern((Panel("tube", square(80.0)),), (Stitch(Side("tube", 1), Side("tube", 3)),)),
-            "sewn to itself round the body",
+            Pattern(
+                (
+                    Panel("left", square(40.0), translation=(-22.0, 100.0, 20.0)),
+                    Panel("right", square(40.0), translation=(22.0, 100.0, 20.0)),
+                ),
+                (Stitch(Side("left", 1), Side("right", 3)),),
+            ),
+            "all lie in one plane",
         ),
         (
             replace(
