@@ -191,7 +191,7 @@ def square(size: float) -> Loop:
                 ),
                 (Stitch(Side("left", 1), Side("right", 3)),),
             ),
-            "all lie in one plane",
+            "lie in one plane",
         ),
         (
             replace(
