@@ -49,7 +49,7 @@ GARMENTS = (
 """What panels are called together -> what the garment is; the first that fits. Skirts of cuffs,
 `sl_cuff_skirt`, are none."""
 CAUSES = (
-    ("right side to wrong side|second cloth layer", "needs a second cloth layer"),
+    ("right side to wrong side|lie on top of each other", "needs a second cloth layer"),
     ("seams of panels .* cross", "seams cross when laid flat"),
     ("crowd each other", "seams crowd each other"),
     ("do not all fit|too small for", "panels do not fit the grid"),
