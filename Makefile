@@ -48,7 +48,7 @@ LOOSE := --allow-untyped-defs --allow-incomplete-defs --allow-untyped-calls --al
 lint: $(VENV)/ready-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(MAKE) --jobs=2 --output-sync=target types-of-package types-of-scripts
+	$(MAKE) --jobs=2 types-of-package types-of-scripts
 
 types-of-package: $(VENV)/ready-dev
 	$(BIN)/mypy src

@@ -24,7 +24,7 @@ from garmentimage.raster import EdgeType, mirrored_channels
 from garmentimage.raster.repair import repair
 
 KINDS = ("knife", "box", "inverted")
-TOP_LEFT_FIRST = {"knife": ["right", "left"], "box": ["box"] * 2, "inverted": ["inverted"] * 2}
+FROM_PLUS_X = {"knife": ["right", "left"], "box": ["box"] * 2, "inverted": ["inverted"] * 2}
 
 
 def skirt(pleats: str, **parameters: float) -> Pattern:
@@ -59,7 +59,7 @@ def test_each_kind_comes_back(kind, pattern, image):
     for panel in ("skirt_front", "skirt_back"):
         own = [pleat for pleat in found.pleats if pleat.panel == panel]
         own.sort(key=lambda pleat: -found.curve(pleat.sides[0]).end[0])
-        assert [pleat.fold for pleat in own] == TOP_LEFT_FIRST[kind]
+        assert [pleat.fold for pleat in own] == FROM_PLUS_X[kind]
     depth = pattern.pleats[0].pressed
     assert all(abs(pleat.pressed - depth) < 0.5 for pleat in found.pleats)
 
