@@ -136,7 +136,7 @@ def trained(name: str, work: Path, steps: int) -> tuple[GarmentVAE, dict[str, An
     epochs = math.ceil(steps / (len(train_set) // BATCH))
     torch.manual_seed(0)
     run = train(
-        GarmentVAE(config).to(memory_format=torch.channels_last),
+        GarmentVAE(config).to(memory_format=torch.channels_last),  # type: ignore[call-overload]
         train_set,
         held_out,
         folder=work / f"run-{steps}-{name.replace(', ', '-').replace(' ', '-')}",
